@@ -75,17 +75,14 @@ std::vector<proto::TileId> reliefAbout(const TileStore& tiles, glm::dvec2 at, do
   return out;
 }
 
-const Bytes& GroundSupply::update(Viewer& viewer, const glm::dvec3& eye, double reach, ExactGround exact) {
+const Bytes& GroundSupply::update(Viewer& viewer, const glm::dvec3& eye, double reach) {
   if (scene_ != viewer.tiles().scene()) *this = GroundSupply(), scene_ = viewer.tiles().scene();
   const proto::LatticePosition at = viewer.frameGrid().transform().toLattice(eye);
   out_.clear();
   ByteWriter(out_).put(scene_);
   putMesh(viewer, at, reach);
   putTiles(viewer.tiles(), reliefAbout(viewer.tiles(), {at.x, at.y}, reach));
-  if (exact == ExactGround::kAskFor)
-    putExact(viewer, at, reach);
-  else
-    ByteWriter(out_).put(uint32_t{0});
+  putExact(viewer, at, reach);
   return out_;
 }
 

@@ -13,15 +13,12 @@
 
 namespace foreland::client {
 
-// Whether the server is asked for exact heights near the eye, where neither relief nor the mesh tells all.
-enum class ExactGround : uint8_t { kAskFor, kLeave };
-
 class GroundSupply {
  public:
   // What is news about the ground `reach` samples about an eye (scene frame), for GroundFeed::take. To be called after
   // the first welcome, once a frame; it asks the server, and takes its replies, through `viewer`. At most one tile is
   // decoded: 6 ms as WebAssembly.
-  const Bytes& update(Viewer& viewer, const glm::dvec3& eye, double reach, ExactGround exact = ExactGround::kAskFor);
+  const Bytes& update(Viewer& viewer, const glm::dvec3& eye, double reach);
   // The connection was lost, and with it a reply that has not come.
   void reconnect() { asked_.reset(); }
 

@@ -148,7 +148,7 @@ FORELAND_EXPORT(foreland_welcome) const WelcomeRecord* welcome(Host* host) {
 FORELAND_EXPORT(foreland_ground)
 const TextRecord* ground(Host* host, double x, double y, double z, double reach) {
   if (!host->viewer.isGreeted()) return nullptr;
-  const Bytes& update = host->ground.update(host->viewer, {x, y, z}, reach, ExactGround::kLeave);
+  const Bytes& update = host->ground.update(host->viewer, {x, y, z}, reach);
   host->text_record = {addressOf(update.data()), static_cast<uint32_t>(update.size())};
   return &host->text_record;
 }

@@ -12,6 +12,9 @@ const kKeys: Record<string, [axis: 0 | 1 | 2, sign: number]> = {
 const kRadiansPerScreen = 1.6; // of dragging over the canvas' height
 const kSteepest_rad = 1.54;
 const kSmoothing_s = 0.22; // of velocity
+// The ground is known for eight of the last frame's steps ahead, and told again some frames later. So the first step from rest is short,
+// and none is longer than so many times the one before.
+const kFirstStep_m = 8, kGrowth = 1.5;
 const kClearance_m = 2;
 
 export class Controls {
@@ -22,6 +25,7 @@ export class Controls {
   onTakeOver: () => void = () => {}; // the user steers
 
   private readonly velocity = new THREE.Vector3(); // right, ahead, up
+  private stepped_m = 0; // in the last frame
   private readonly held = new Set<string>();
   private readonly fingers = new Map<number, [number, number]>();
   private carry = new THREE.Vector3(); // metres to move, from two fingers: right, ahead, along the view
@@ -74,9 +78,12 @@ export class Controls {
     wanted.clampLength(0, 1).multiplyScalar(this.speed_mps * faster);
     this.velocity.lerp(wanted, 1 - Math.exp(-seconds / kSmoothing_s));
     if (wanted.lengthSq() === 0 && this.velocity.length() < 1e-4 * this.speed_mps) this.velocity.set(0, 0, 0);
-    this.move(this.velocity.x * seconds, this.velocity.y * seconds, this.velocity.z * seconds, up);
+    const wanted_m = this.velocity.length() * seconds;
+    const share = Math.min(1, Math.max(kFirstStep_m, kGrowth * this.stepped_m) / wanted_m); // of nothing: 1
+    this.move(this.velocity.x * seconds * share, this.velocity.y * seconds * share, this.velocity.z * seconds * share, up);
     this.carryOn(up);
     this.eye.fromArray(sweep(from, this.eye.toArray()));
+    this.stepped_m = Math.hypot(...from.map((v, i) => this.eye.getComponent(i) - v));
   }
 
   private move(right_m: number, ahead_m: number, up_m: number, up: THREE.Vector3): void {
