@@ -170,14 +170,17 @@ TEST(Sweep, IsNeverSureOfWhatTheExactTestDenies) {
   if (asked) std::printf("%zu tests, %zu unsure\n", size_t{answers.tests}, size_t{answers.unsure});
 }
 
-// So the nodes are where it matters: of thirty thousand pages eleven have one whose rounding errors agree that well.
+// So the nodes are where it matters: about one page in three thousand has one whose rounding errors agree that well. Which
+// pages they are depends on the compiler.
 TEST(Sweep, IsWrongWithATenthOfItsTolerance) {
+  constexpr uint64_t kMost = 60'000;
+  const uint64_t seed = testing::UnitTest::GetInstance()->random_seed();
   RandomPage::Answers answers;
-  for (const uint64_t seed : {515u, 1238u, 8268u, 10074u, 13395u, 15052u, 19180u}) {
-    Rng rng(seed);
+  for (uint64_t round = 0; answers.wrong == 0 && round < kMost; ++round) {
+    Rng rng((seed << 32) + round);
     RandomPage(rng).judge(0.1, answers);
   }
-  EXPECT_GT(answers.wrong, 0u);
+  EXPECT_GT(answers.wrong, 0u) << "seed " << seed << ", " << answers.tests << " tests";
 }
 
 // One page of a flat scene, seen from above, with the entries given.
