@@ -20,8 +20,9 @@ constexpr double kUseless = 64;
 
 // For the motion that is expected alone.
 proto::View withoutErrors(proto::View view, const RegionParts& parts) {
-  view.region_radius_m = parts.motion.radius_m + parts.rest.radius_m;
-  view.region_angle_rad = parts.motion.angle_rad + parts.rest.angle_rad;
+  const Region region = parts.withoutErrors();
+  view.region_radius_m = region.radius_m;
+  view.region_angle_rad = region.angle_rad;
   return view;
 }
 

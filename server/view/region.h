@@ -17,6 +17,9 @@ struct Region {
 // what is always allowed for. Only errors may be reduced (RegionShare).
 struct RegionParts {
   Region motion, error, rest;
+
+  // What a camera needs that is where it is expected.
+  Region withoutErrors() const { return {motion.radius_m + rest.radius_m, motion.angle_rad + rest.angle_rad}; }
 };
 
 // A region around `centre` that holds motion.at(t) for all t in [begin, end], up to rounding of less than a micrometre.

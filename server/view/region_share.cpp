@@ -5,10 +5,9 @@
 namespace foreland::server {
 
 Region RegionShare::of(const RegionParts& parts) const {
-  const auto& [motion, error, rest] = parts;
   const double of_error = share_ > kLeast ? share_ : 0;
-  return {motion.radius_m + of_error * error.radius_m + rest.radius_m,
-          motion.angle_rad + of_error * error.angle_rad + rest.angle_rad};
+  const Region without = parts.withoutErrors();
+  return {without.radius_m + of_error * parts.error.radius_m, without.angle_rad + of_error * parts.error.angle_rad};
 }
 
 double RegionShare::shareOf(const RegionParts& parts) const {

@@ -85,9 +85,7 @@ void RegionShare::fit(const RegionParts& parts, const NodesOf& nodesOf) {
   }
   coarser_ = toleranceFor(expectedExcess(parts));
   if (isForeseen(expectedExcess(parts))) return;
-  const std::optional<size_t> alone =
-      nodesOf({parts.motion.radius_m + parts.rest.radius_m, parts.motion.angle_rad + parts.rest.angle_rad},
-              std::numeric_limits<size_t>::max());
+  const std::optional<size_t> alone = nodesOf(parts.withoutErrors(), std::numeric_limits<size_t>::max());
   if (!alone) return;
   const auto times = [&](double factor) { return static_cast<size_t>(factor * static_cast<double>(*alone)); };
   for (int tries = 0; tries < kTries; ++tries) {
