@@ -90,7 +90,8 @@ class Adapter<Tester>::Step {
       if (tester_.isSwept()) return sweep(tester_);
     testStale();
   }
-  // By a test of all of them. The unsure ones are tested exactly, before any is a candidate.
+  // By a test of all of them. The unsure ones are tested exactly, before any is a candidate. A template, so that it is
+  // not compiled for testers that sweep nothing.
   template <class SweptTester>
   void sweep(const SweptTester& tester) {
     int level = 1;
@@ -101,10 +102,7 @@ class Adapter<Tester>::Step {
           while (page.first() >= begin(level + 1)) ++level;
           const Sweep::Found found = sweep.test(level, page, heights, entries);
           a_.swept_ += page.entries;
-          if (found.changed.any()) {
-            found.changed.forEach([&](uint8_t rank) { scratch_.undecided[number].set(entries[rank].low()); });
-            scratch_.has_undecided[number] = 1;
-          }
+          found.changed.forEach([&](uint8_t rank) { scratch_.markUndecided(number, entries[rank].low()); });
           if (found.unsure.any()) pushStale(number, page, level, found.unsure);
         });
     finishStale();
