@@ -15,6 +15,7 @@
 #include "apps/options/command_line.h"
 #include "apps/options/date.h"
 #include "apps/options/options.h"
+#include "apps/options/place.h"
 #include "terrain/store/file/mapped_file.h"
 
 namespace foreland::apps {
@@ -74,7 +75,10 @@ std::string metres(double value) {
 class Answers {
  public:
   Answers(const terrain::Scene& scene, Time scene_time)
-      : scene_(scene), scene_time_(scene_time), is_planar_(scene.frame().kind == proto::FrameKind::kPlanar) {
+      : scene_(scene),
+        transform_(scene.frame()),
+        scene_time_(scene_time),
+        is_planar_(scene.frame().kind == proto::FrameKind::kPlanar) {
     std::printf("%s,height_m,above_sea_m,above_ellipsoid_m,source,residual_m\n",
                 is_planar_ ? "x,y" : "longitude,latitude");
   }
@@ -101,7 +105,8 @@ class Answers {
 
   void print(double x, double y) const {
     std::printf(is_planar_ ? "%.4f,%.4f," : "%.9f,%.9f,", x, y);
-    const auto at = heightAt(scene_, latticeAt(scene_, x, y), scene_time_);
+    const proto::LatticePosition lattice = is_planar_ ? latticeOf(transform_, x, y) : latticeOf(transform_, y, x);
+    const auto at = heightAt(scene_, {lattice.x, lattice.y}, scene_time_);
     if (!at) {
       std::printf(",,,,\n");
       return;
@@ -124,6 +129,7 @@ class Answers {
   }
 
   const terrain::Scene& scene_;
+  const proto::FrameTransform transform_;
   Time scene_time_;
   bool is_planar_;
 };
@@ -134,10 +140,8 @@ int heights(const Options& o) {
   const proto::Epochs& epochs = (*scene)->epochs().epochs();
   Time scene_time = epochs.empty() ? Time{} : epochs.last();
   if (o.date) {
-    const auto date = parseDate(*o.date);
-    if (!date) return fail({ErrorCode::kInvalidArgument, "--date '" + *o.date + "': write YYYY-MM-DD"});
-    if (epochs.empty())
-      return fail({ErrorCode::kInvalidArgument, o.scene + ": does not change in time, so there is no --date"});
+    const auto date = parseDateOption(*o.date, o.scene, epochs);
+    if (!date.ok()) return fail(date.error());
     scene_time = *date;
   }
   Answers answers(**scene, scene_time);

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "terrain/store/bilinear.h"
 
@@ -40,25 +39,6 @@ void nameSource(const terrain::Scene& scene, glm::dvec2 lattice, SceneHeight& ou
 }
 
 }  // namespace
-
-glm::dvec2 latticeAt(const terrain::Scene& scene, double x, double y) {
-  const proto::Frame& f = scene.frame();
-  if (f.kind == proto::FrameKind::kPlanar) {
-    const glm::dvec2 from = glm::dvec2(x, y) - f.map_origin_m;
-    const double area = f.axis_x_m.x * f.axis_y_m.y - f.axis_x_m.y * f.axis_y_m.x;
-    return f.anchor +
-           glm::dvec2(from.x * f.axis_y_m.y - from.y * f.axis_y_m.x, from.y * f.axis_x_m.x - from.x * f.axis_x_m.y) /
-               area;
-  }
-  constexpr double kDegree = std::numbers::pi / 180, kTurn = 2 * std::numbers::pi;
-  const double last = scene.grid().shape().samples_x - 1.0, turn = kTurn / f.longitude_step_rad;
-  double column = (x * kDegree - f.longitude0_rad) / f.longitude_step_rad;
-  if (column < 0 || column > last) {
-    const double turned = column - turn * std::floor(column / turn);
-    if (turned <= last) column = turned;
-  }
-  return {column, (y * kDegree - f.latitude0_rad) / f.latitude_step_rad};
-}
 
 std::optional<SceneHeight> heightAt(const terrain::Scene& scene, glm::dvec2 lattice, Time scene_time) {
   constexpr double kOnBorder = 1e-6;  // samples: what rounding of degrees loses

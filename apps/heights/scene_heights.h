@@ -17,10 +17,6 @@ struct SceneHeight {
   std::optional<double> residual_m;
 };
 
-// Lattice position of longitude and latitude in degrees, or of x and y of a planar scene's map in metres. Longitudes a
-// turn apart are the same place.
-glm::dvec2 latticeAt(const terrain::Scene& scene, double x, double y);
-
 // Exact between samples as the scene has them, bilinear; of the ground at a time, in scenes that change. Nothing beyond
 // the data.
 std::optional<SceneHeight> heightAt(const terrain::Scene& scene, glm::dvec2 lattice, Time scene_time);

@@ -36,6 +36,14 @@ std::string dateText(Time time) {
   return text;
 }
 
+Result<Time> parseDateOption(const std::string& text, const std::string& scene, const proto::Epochs& epochs) {
+  const auto date = parseDate(text);
+  if (!date) return Error{ErrorCode::kInvalidArgument, "--date '" + text + "': write YYYY-MM-DD"};
+  if (epochs.empty())
+    return Error{ErrorCode::kInvalidArgument, scene + ": does not change in time, so there is no --date"};
+  return *date;
+}
+
 std::optional<double> parseSceneSpeed(const std::string& text) {
   static const std::map<std::string, double> kUnits{
       {"s/s", 1}, {"h/s", 3600}, {"d/s", 86'400}, {"y/s", 365.25 * 86'400}};

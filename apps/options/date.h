@@ -14,6 +14,8 @@ namespace foreland::apps {
 // Midnight of YYYY-MM-DD, since 1970; nothing if the text is no date.
 std::optional<Time> parseDate(const std::string& text);
 std::string dateText(Time time);
+// What --date asks for in a scene of such a name and epochs. An Error if it is no date, or the scene does not change.
+Result<Time> parseDateOption(const std::string& text, const std::string& scene, const proto::Epochs& epochs);
 
 // Scene seconds a second, of a text like 90d/s; units are s, h, d and y (of 365.25 days).
 std::optional<double> parseSceneSpeed(const std::string& text);

@@ -88,10 +88,9 @@ int viewshed(const Options& o) {
   auto question = questionOf(o.viewshed, "--from", **scene);
   if (!question.ok()) return fail(question.error());
   if (o.date) {
-    question->scene_time = parseDate(*o.date);
-    if (!question->scene_time) return fail({ErrorCode::kInvalidArgument, "--date '" + *o.date + "': write YYYY-MM-DD"});
-    if ((*scene)->epochs().epochs().empty())
-      return fail({ErrorCode::kInvalidArgument, o.scene.string() + ": does not change in time, so there is no --date"});
+    const auto date = parseDateOption(*o.date, o.scene.string(), (*scene)->epochs().epochs());
+    if (!date.ok()) return fail(date.error());
+    question->scene_time = *date;
   }
   auto objects = server::objectsOf(*scene);
   if (!objects.ok()) return fail(objects.error());
