@@ -7,6 +7,7 @@ namespace foreland::client {
 void Screen::enter(proto::Welcome told) {
   welcome = std::move(told);
   transform.emplace(welcome->frame);
+  box = boxOf(*welcome, *transform);
 }
 
 void Screen::add(const Interval& interval, uint32_t oldest_version) {
@@ -38,6 +39,10 @@ void Screen::takeGround(ByteSpan update) {
   for (const proto::TileLayer& layer : welcome->tile_layers)
     if (layer.content == proto::TileContent::kRelief) relief = layer;
   ground.take(update, relief);
+}
+
+std::optional<glm::dvec3> Screen::groundOn(const Ray& ray) const {
+  return rayOnGround(ground.heights(), *transform, box.low, box.high, ray);
 }
 
 ScreenPlace Screen::placeAt(const glm::dvec3& point) const {

@@ -5,6 +5,7 @@
 
 #include <optional>
 
+#include "client/ground/ray.h"
 #include "client/ground_supply.h"
 #include "client/places.h"
 #include "client/schedule.h"
@@ -36,6 +37,7 @@ struct Screen {
   CameraPath camera;
   std::optional<proto::Welcome> welcome;
   std::optional<proto::FrameTransform> transform;
+  SceneBox box;  // about the data
   GroundFeed ground;
 
   void enter(proto::Welcome told);
@@ -48,6 +50,8 @@ struct Screen {
 
   // After the welcome only.
   ScreenPlace placeAt(const glm::dvec3& point) const;
+  // Where a ray meets the ground that is held (client/ground/ray.h).
+  std::optional<glm::dvec3> groundOn(const Ray& ray) const;
 };
 
 }  // namespace foreland::client

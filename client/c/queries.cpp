@@ -3,7 +3,6 @@
 #include <limits>
 
 #include "client/c/calls.h"
-#include "client/ground/ray.h"
 #include "client/ground/sweep.h"
 
 namespace foreland::client {
@@ -92,9 +91,7 @@ ForelandStatus foreland_raycast(ForelandTerrain* terrain, const double origin[3]
     const Ray ray{vectorOf(origin), vectorOf(direction), far};
     if (!isFinite(ray.origin) || !isFinite(ray.direction) || ray.direction == glm::dvec3(0) || std::isnan(far))
       return refuse(FORELAND_ARGUMENT, "A ray has a finite origin, and a direction of some length.");
-    const Screen& s = t.screen();
-    const auto hit =
-        rayOnGround(s.ground.heights(), *s.transform, vectorOf(t.scene().low), vectorOf(t.scene().high), ray);
+    const auto hit = t.screen().groundOn(ray);
     if (!hit) return refuse(FORELAND_NOTHING, "The ray meets no ground that is known now.");
     put(*hit, out);
     return ForelandStatus{FORELAND_OK};

@@ -204,8 +204,7 @@ void Terrain::tellScene() {
             .datum = w.vertical.name.c_str(),
             .geoid = w.vertical.geoid.c_str(),
             .undulation_error = w.vertical.undulations.max_error_m};
-  const SceneBox box = boxOf(w, transform);
-  put(box.low, scene_.low), put(box.high, scene_.high);
+  put(screen_.box.low, scene_.low), put(screen_.box.high, scene_.high);
   if (is_geographic) std::ranges::copy(ecefOf(transform), scene_.to_ecef);
   for (const proto::TileLayer& layer : w.tile_layers) {
     const bool is_relief = layer.content == proto::TileContent::kRelief;

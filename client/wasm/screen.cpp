@@ -124,6 +124,19 @@ const PoseRecord* screenSweep(ScreenHost* host, double x, double y, double z, do
   return &host->pose_record;
 }
 
+// Where a ray meets the ground that is held, at most so far away (client/ground/ray.h). Null if it does not, and before
+// the welcome.
+FORELAND_EXPORT(foreland_screen_ray)
+const PoseRecord* screenRay(ScreenHost* host, double x, double y, double z, double along_x, double along_y,
+                            double along_z, double far_m) {
+  const glm::dvec3 direction{along_x, along_y, along_z};
+  if (!host->screen.transform || direction == glm::dvec3(0)) return nullptr;
+  const auto hit = host->screen.groundOn({{x, y, z}, direction, far_m});
+  if (!hit) return nullptr;
+  host->pose_record = recordOf(proto::Pose{.eye = *hit});
+  return &host->pose_record;
+}
+
 // A point of the scene in the coordinates of the data's owner. Null before the welcome.
 FORELAND_EXPORT(foreland_screen_map_position)
 const MapPositionRecord* screenMapPosition(ScreenHost* host, double x, double y, double z) {

@@ -3,7 +3,6 @@ import type { Screen } from './core/screen.js';
 import type { Welcome } from './core/values.js';
 import { ForelandError } from './errors.js';
 import type { Hit, ObjectTriangles } from './object_triangles.js';
-import { rayOnGround } from './ray.js';
 import { placeOf, type MapPoint, type Place, type Scene, type Vector } from './scene.js';
 
 /** @internal Of a terrain whose session has begun. */
@@ -26,7 +25,7 @@ export class Places {
     return this.screen.mapPosition(this.toScene(place)!)!.lattice;
   }
   groundOnRay(origin: readonly number[], direction: readonly number[], far: number): Vector | null {
-    return rayOnGround(this.scene, (point) => this.screen.mapPosition(point), origin, direction, far);
+    return this.screen.ray(origin, direction, far);
   }
   pick(objects: ObjectTriangles, origin: readonly number[], direction: readonly number[], far: number): Hit | null {
     const length = Math.hypot(...direction), unit = direction.map((v) => v / length);

@@ -64,6 +64,7 @@ interface Exports {
   foreland_screen_slope_frame(screen: number): number;
   foreland_screen_ground(screen: number): void;
   foreland_screen_sweep(screen: number, ...path: number[]): number;
+  foreland_screen_ray(screen: number, ...ray: number[]): number;
   foreland_screen_map_position(screen: number, x: number, y: number, z: number): number;
   foreland_screen_scene_point(screen: number, across_0: number, across_1: number, height_m: number): number;
   foreland_screen_tour(screen: number, start_ms: number): number;

@@ -70,6 +70,11 @@ export class Screen {
     const record = this.core.exports.foreland_screen_scene_point(this.handle, across[0], across[1], height_m);
     return record === 0 ? null : readPoseRecord(this.core.view(), record).eye;
   }
+  // Where a ray meets the ground that is held (client/ground/ray.h).
+  ray(origin: readonly number[], direction: readonly number[], far_m: number): [number, number, number] | null {
+    const record = this.core.exports.foreland_screen_ray(this.handle, origin[0]!, origin[1]!, origin[2]!, direction[0]!, direction[1]!, direction[2]!, far_m);
+    return record === 0 ? null : readPoseRecord(this.core.view(), record).eye;
+  }
   // Where an eye comes to that moves from one point towards another above the ground (client/ground/sweep.h).
   sweep(from: readonly number[], to: readonly number[], clearance_m: number): [number, number, number] {
     const record = this.core.exports.foreland_screen_sweep(this.handle, from[0]!, from[1]!, from[2]!, to[0]!, to[1]!, to[2]!, clearance_m);
