@@ -68,7 +68,7 @@ class LevelNodes {
       : grid_(grid), level_(level), first_(grid.levelOffset(level)), page_(grid.pageNodes(level, first_)) {}
   NodeId at(Slot slot) {
     if (slot - first_ >= kPageSlots) page_ = grid_.pageNodes(level_, first_ = slot & ~(kPageSlots - 1));
-    return page_.at(slot - first_);
+    return page_.at(static_cast<uint32_t>(slot - first_));
   }
 
  private:

@@ -23,7 +23,7 @@ namespace {
 class Candidates {
  public:
   struct Page {
-    uint32_t key;  // slot / kPageSlots
+    uint64_t key;  // slot / kPageSlots
     SlotBits candidates, half;
   };
 
@@ -52,7 +52,7 @@ class Candidates {
  private:
   // Neighbours mostly are in the page of the last one.
   Page& pageOf(Slot slot) {
-    const uint32_t key = slot / kPageSlots;
+    const uint64_t key = slot / kPageSlots;
     if (pages_[last_].key == key && last_ != IndexTable::kNone) return pages_[last_];
     last_ = numbers_.find(key);
     if (last_ == IndexTable::kNone) {

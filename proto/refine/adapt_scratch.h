@@ -37,9 +37,10 @@ struct AdaptScratch {
   // By page: nodes that leave the frontier, and whether there are any (node_changes.h).
   std::vector<SlotBits> leaving;
   std::vector<uint8_t> has_leaving;
-  // Pages about nodes that have changed: by number those that nodes leave (node_changes.h), or by first slot those of
-  // parents (page_changes.h).
+  // Pages about nodes that have changed: those that nodes leave (node_changes.h).
   std::vector<uint32_t> near_pages;
+  // The first slots of pages of parents of nodes that have changed (page_changes.h).
+  std::vector<Slot> parent_pages;
   // Undecided nodes whose pages do not exist yet: of any level, descending; and of the level that is next.
   std::vector<Slot> initial, pending;
   // Of each such page the first undecided node; or the first slots of pages of children of nodes that have changed

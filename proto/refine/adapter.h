@@ -119,7 +119,7 @@ class KnownNodes {
 
  private:
   const TerrainAdapter& adapter_;
-  uint32_t page_ = kNoSlot;  // No page has so large a number.
+  uint64_t page_ = kNoSlot;  // No page has so large a key.
   SlotBits known_;
 };
 

@@ -29,7 +29,7 @@ class PageChanges {
       const SlotBits addable = page.on_frontier - page.in_section;
       if (addable.any()) leave(number, addable - withParents(level + 1, first));
     });
-    forEachOf(scratch_.near_pages, [&](Slot first, uint32_t number) {
+    forEachOf(scratch_.parent_pages, [&](Slot first, uint32_t number) {
       const FrontierPage& page = nodes_.page(number);
       const SlotBits inner = page.in_section - page.on_frontier;
       if (inner.any()) scratch_.markUndecided(number, inner - withChild(level - 1, first));
@@ -42,7 +42,7 @@ class PageChanges {
       frontier_.addToSection(number, come);
       noteNeighbours(level, nodes_.page(number).first(), come);
     });
-    forEachOf(scratch_.near_pages, [&](Slot first, uint32_t number) {
+    forEachOf(scratch_.parent_pages, [&](Slot first, uint32_t number) {
       const FrontierPage& page = nodes_.page(number);
       const SlotBits leaves = page.on_frontier & page.in_section;
       if (leaves.any()) leave(number, leaves & withChild(level - 1, first));
@@ -72,7 +72,7 @@ class PageChanges {
   }
 
   void begin() {
-    scratch_.near_pages.clear();
+    scratch_.parent_pages.clear();
     scratch_.new_pages.clear();
   }
   // The candidates are ascending, so those of a page follow each other.
@@ -88,7 +88,7 @@ class PageChanges {
   // Notes the pages of the parents and of the children of some of a page's nodes.
   void noteNeighbours(int level, Slot first, const SlotBits& some) {
     const PageNeighbours::Place place = neighbours_.placeOf(level, first);
-    neighbours_.parentPages(level, place, some, [&](Slot page) { scratch_.near_pages.push_back(page); });
+    neighbours_.parentPages(level, place, some, [&](Slot page) { scratch_.parent_pages.push_back(page); });
     neighbours_.childPages(level, place, some, [&](Slot page) { scratch_.new_pages.push_back(page); });
   }
   // Once for each.

@@ -36,15 +36,15 @@ uint32_t sideRow(const SlotBits& bits, int row) {
 }  // namespace
 
 PageNeighbours::Place PageNeighbours::placeOf(int level, Slot first) const {
-  const uint32_t sides = level & 1, page = (first - grid_.levelOffset(level)) / kPageSlots, tile = page >> sides,
-                 across = grid_.tilesAlongX(level);
+  const uint32_t sides = level & 1, across = grid_.tilesAlongX(level);
+  const uint64_t page = (first - grid_.levelOffset(level)) / kPageSlots, tile = page >> sides;
   return {static_cast<int32_t>(tile % across), static_cast<int32_t>(tile / across), static_cast<int32_t>(page & sides)};
 }
 
 Slot PageNeighbours::firstOf(int level, const Place& place) const {
   const uint32_t sides = level & 1, across = grid_.tilesAlongX(level);
   if (place.x < 0 || place.y < 0 || static_cast<uint32_t>(place.x) >= across) return kNoSlot;
-  const uint32_t tile = static_cast<uint32_t>(place.y) * across + static_cast<uint32_t>(place.x);
+  const uint64_t tile = uint64_t{static_cast<uint32_t>(place.y)} * across + static_cast<uint32_t>(place.x);
   const Slot first = grid_.levelOffset(level) + ((tile << sides) + static_cast<uint32_t>(place.half)) * kPageSlots;
   return first < grid_.levelOffset(level + 1) ? first : kNoSlot;
 }

@@ -142,16 +142,17 @@ class Descent {
   TerrainBatch batch_;
 };
 
-// Ascending order by three counting passes of 11 bits; stable, linear.
-void sortSlots(std::vector<Slot>& slots, std::vector<Slot>& other) {
+// Ascending order of slots below `end` by counting passes of 11 bits; stable, linear.
+void sortSlots(std::vector<Slot>& slots, std::vector<Slot>& other, Slot end) {
+  constexpr int kDigit = 11;
   other.resize(slots.size());
-  std::array<std::array<uint32_t, 1 << 11>, 3> count{};
-  for (Slot s : slots)
-    for (int pass = 0; pass < 3; ++pass) ++count[pass][s >> (11 * pass) & 0x7ff];
-  for (int pass = 0; pass < 3; ++pass) {
+  for (int shift = 0; shift < kSlotBits && end >> shift != 0; shift += kDigit) {
+    const auto digit = [shift](Slot s) { return static_cast<size_t>(s >> shift & ((1u << kDigit) - 1)); };
+    std::array<uint32_t, 1 << kDigit> count{};
+    for (Slot s : slots) ++count[digit(s)];
     uint32_t sum = 0;
-    for (uint32_t& c : count[pass]) c = std::exchange(sum, sum + c);
-    for (Slot s : slots) other[count[pass][s >> (11 * pass) & 0x7ff]++] = s;
+    for (uint32_t& c : count) c = std::exchange(sum, sum + c);
+    for (Slot s : slots) other[count[digit(s)]++] = s;
     slots.swap(other);
   }
 }
@@ -163,7 +164,7 @@ bool refine(const TerrainDomain& domain, std::span<const NodeRecord> nodes, cons
   const Metric metric(view, domain.has_vertical_errors);
   const bool fits = Descent(domain, nodes, metric, scratch, hidden).run(max_nodes);
   if (!fits) return false;
-  sortSlots(scratch.slots, scratch.sorted);
+  sortSlots(scratch.slots, scratch.sorted, domain.grid.slotCount());
   section.slots.assign(scratch.slots.begin(), scratch.slots.end());
   return true;
 }

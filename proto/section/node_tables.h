@@ -102,8 +102,10 @@ class SparseNodes {
   }
 
  private:
-  static size_t indexOf(uint32_t number, Slot slot) { return size_t{number} * kBlockSlots + slot % kBlockSlots; }
-  uint32_t makeBlock(uint32_t key) {
+  static size_t indexOf(uint32_t number, Slot slot) {
+    return size_t{number} * kBlockSlots + static_cast<size_t>(slot % kBlockSlots);
+  }
+  uint32_t makeBlock(uint64_t key) {
     const uint32_t number = blockCount();
     keys_.push_back(key);
     records_.resize(indexOf(number + 1, 0));
@@ -114,7 +116,7 @@ class SparseNodes {
   const GridTopology* grid_;
   BaseHeights base_;
   IndexTable numbers_;             // of blocks, by slot / kBlockSlots
-  std::vector<uint32_t> keys_{0};  // slot / kBlockSlots, by number; that of kNone means nothing
+  std::vector<uint64_t> keys_{0};  // slot / kBlockSlots, by number; that of kNone means nothing
   std::vector<NodeRecord> records_ = std::vector<NodeRecord>(kBlockSlots);  // by number; those of kNone are zeros
 };
 

@@ -55,7 +55,8 @@ Section apply(const Section& from, const CutDelta& delta) {
 }
 
 uint32_t fingerprint(Slot slot) {
-  uint32_t h = (slot + 1) * 0x9e3779b1u;  // not 0 of slot 0, which would not count
+  // Not 0 of slot 0, which would not count.
+  uint32_t h = (static_cast<uint32_t>(slot) + 1) * 0x9e3779b1u ^ static_cast<uint32_t>(slot >> 32) * 0x27d4eb2fu;
   h = (h ^ (h >> 15)) * 0x85ebca77u;
   h = (h ^ (h >> 13)) * 0xc2b2ae3du;
   return h ^ (h >> 16);

@@ -28,20 +28,20 @@ Result<GridTopology> GridTopology::create(const GridShape& shape) {
     return refuse(std::to_string(shape.samples_x) + " x " + std::to_string(shape.samples_y) +
                   " samples do not fit its roots");
 
-  uint64_t offset = 0;
+  Slot offset = 0;
   for (int level = 1; level <= grid.maxLevel(); ++level) {
     const bool sides = level & 1;
     const uint64_t tiles_x = (cellsAlong(shape.roots_x, level, sides) + kTile - 1) / kTile;
     const uint64_t tiles_y = (cellsAlong(shape.roots_y, level, sides) + kTile - 1) / kTile;
     grid.tiles_x_[level] = static_cast<uint32_t>(tiles_x);
     grid.inverse_tiles_x_[level] = 1.0 / static_cast<double>(tiles_x);
-    grid.level_offset_[level] = static_cast<Slot>(offset);
+    grid.level_offset_[level] = offset;
     offset += tiles_x * tiles_y * kTile * kTile * (sides ? 2 : 1);
-    if (offset >= kNoSlot) return refuse("more than 2^32 nodes");
+    if (offset >= kMaxSlots) return refuse("more than 2^32 nodes");
   }
-  grid.level_offset_[grid.maxLevel() + 1] = static_cast<Slot>(offset);
-  for (int width = 0, level = 1; width <= 32; ++width) {
-    const uint64_t least = width == 0 ? 0 : uint64_t{1} << (width - 1);
+  grid.level_offset_[grid.maxLevel() + 1] = offset;
+  for (int width = 0, level = 1; width <= kSlotBits; ++width) {
+    const Slot least = width == 0 ? 0 : Slot{1} << (width - 1);
     while (level < grid.maxLevel() && least >= grid.level_offset_[level + 1]) ++level;
     grid.level_hint_[width] = level;
   }

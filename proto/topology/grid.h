@@ -40,8 +40,9 @@ class GridTopology {
   static constexpr uint32_t kMaxRootLog2 = 15;
   static constexpr uint32_t kMaxSamples = 1u << 20;  // per axis
   static constexpr int kMaxLevels = 2 * kMaxRootLog2;
+  static constexpr Slot kMaxSlots = 0xffffffffu;
 
-  // Refuses shapes that are empty, larger than the limits above or than 2^32 - 2 slots, or whose data exceeds the
+  // Refuses shapes that are empty, larger than the limits above, or whose data exceeds the
   // roots.
   static Result<GridTopology> create(const GridShape& shape);
 
@@ -155,7 +156,7 @@ class GridTopology {
     if (slot >= slotCount()) return {};
     int level = level_hint_[std::bit_width(slot)];
     while (slot >= level_offset_[level + 1]) ++level;  // levels grow about twofold, so rarely more than two steps
-    const uint32_t sides = level & 1, along_y = sides & (slot - level_offset_[level]);
+    const uint32_t sides = level & 1, along_y = sides & static_cast<uint32_t>(slot - level_offset_[level]);
     const Cell cell = cellOf(level, slot);
     const uint32_t t = scaleLog2At(level), s = 1u << t;
     const NodeId n =
@@ -204,15 +205,17 @@ class GridTopology {
     uint32_t x, y;
   };
   Cell cellOf(int level, Slot slot) const {
-    const uint32_t cell = (slot - level_offset_[level]) >> (level & 1), tile = cell >> (2 * kTileLog2);
-    // Division by multiplication: doubles hold the quotient to far better than one in 2^32, so it is off by one at
-    // most.
-    const uint32_t tiles_x = tiles_x_[level];
-    uint32_t row = static_cast<uint32_t>(tile * inverse_tiles_x_[level]);
+    const uint64_t cell = (slot - level_offset_[level]) >> (level & 1), tile = cell >> (2 * kTileLog2);
+    // Division by multiplication: there are fewer than 2^kSlotBits / 256 tiles, and doubles hold a quotient below 2^32
+    // to far better than one, so it is off by one at most. The tile is converted as a signed number, which takes one
+    // instruction.
+    const uint64_t tiles_x = tiles_x_[level];
+    uint64_t row = static_cast<uint32_t>(static_cast<double>(static_cast<int64_t>(tile)) * inverse_tiles_x_[level]);
     row -= row * tiles_x > tile;
     row += tile - row * tiles_x >= tiles_x;
-    return {(tile - row * tiles_x) << kTileLog2 | (cell & (kTile - 1)),
-            row << kTileLog2 | (cell >> kTileLog2 & (kTile - 1))};
+    const auto low = static_cast<uint32_t>(cell);
+    return {static_cast<uint32_t>(tile - row * tiles_x) << kTileLog2 | (low & (kTile - 1)),
+            static_cast<uint32_t>(row) << kTileLog2 | (low >> kTileLog2 & (kTile - 1))};
   }
   static bool isCentre(NodeId n, uint32_t t) { return (n.x() & n.y()) >> t & 1; }
   // Whether the nodes of a level are centres; else they are sides.
@@ -221,7 +224,7 @@ class GridTopology {
   // Modulo 2^32: s, or minus s if the diagonal falls.
   static uint32_t rise(uint32_t x, uint32_t y, uint32_t t) { return (1u << t) - (((x ^ y) >> (t + 1) & 1) << (t + 1)); }
   static Slot tileSlot(uint32_t cx, uint32_t cy, uint32_t tiles_x) {
-    const uint32_t tile = (cy >> kTileLog2) * tiles_x + (cx >> kTileLog2);
+    const Slot tile = Slot{cy >> kTileLog2} * tiles_x + (cx >> kTileLog2);
     return tile << (2 * kTileLog2) | (cy & (kTile - 1)) << kTileLog2 | (cx & (kTile - 1));
   }
 
@@ -229,7 +232,7 @@ class GridTopology {
   std::array<Slot, kMaxLevels + 2> level_offset_{};
   std::array<uint32_t, kMaxLevels + 1> tiles_x_{};
   std::array<double, kMaxLevels + 1> inverse_tiles_x_{};
-  std::array<int, 33> level_hint_{};  // by bit width of a slot: the level of the smallest slot of that width
+  std::array<int, kSlotBits + 1> level_hint_{};  // by bit width of a slot: the level of the smallest slot of that width
 };
 
 }  // namespace foreland::proto

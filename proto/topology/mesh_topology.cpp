@@ -24,18 +24,18 @@ Result<MeshTopology> MeshTopology::create(MeshShape shape) {
 }
 
 Status MeshTopology::numberSlots() {
-  uint64_t offset = 0;
+  Slot offset = 0;
   for (int level = 1; level <= max_level_; ++level) {
-    level_offset_[level] = static_cast<Slot>(offset);
+    level_offset_[level] = offset;
     offset += (slotsOfLevel(level) + kPageSlots - 1) / kPageSlots * kPageSlots;
-    if (offset >= kNoSlot)
+    if (offset >= kMaxSlots)
       return Error{ErrorCode::kLimit, "mesh shape: more than 2^32 nodes; halve the edges of " +
                                           std::to_string(base_.faceCount()) + " faces fewer times than " +
                                           std::to_string(halvings_)};
   }
-  level_offset_[max_level_ + 1] = static_cast<Slot>(offset);
-  for (int width = 0, level = 1; width <= 32; ++width) {
-    const uint64_t least = width == 0 ? 0 : uint64_t{1} << (width - 1);
+  level_offset_[max_level_ + 1] = offset;
+  for (int width = 0, level = 1; width <= kSlotBits; ++width) {
+    const Slot least = width == 0 ? 0 : Slot{1} << (width - 1);
     while (level < max_level_ && least >= level_offset_[level + 1]) ++level;
     level_hint_[width] = level;
   }

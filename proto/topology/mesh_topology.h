@@ -41,9 +41,10 @@ class MeshTopology {
  public:
   static constexpr uint32_t kMaxHalvings = 15;
   static constexpr int kMaxLevels = 2 * kMaxHalvings;
+  static constexpr Slot kMaxSlots = 0xffffffffu;
 
   // Refuses an unknown rule, no halvings or more than the limit, base meshes that BaseMesh refuses (by what is wrong
-  // first), and more than 2^32 - 2 slots. O(n log n) in the faces.
+  // first), and kMaxSlots or more slots. O(n log n) in the faces.
   static Result<MeshTopology> create(MeshShape shape);
 
   MeshRule rule() const { return rule_; }
@@ -96,20 +97,20 @@ class MeshTopology {
   // Bijection between nodes and (some of the) slots.
   Slot slot(NodeId n) const {
     const PatchPoint p = patchPointOf(n);
-    if (isQuad()) return level_offset_[quad().level(p)] + static_cast<Slot>(quad().slotInLevel(p));
-    return level_offset_[bisect().level(p)] + static_cast<Slot>(bisect().slotInLevel(p));
+    if (isQuad()) return level_offset_[quad().level(p)] + quad().slotInLevel(p);
+    return level_offset_[bisect().level(p)] + bisect().slotInLevel(p);
   }
   // The same for a node whose level is known.
   Slot slot(NodeId n, int level) const {
     const PatchPoint p = patchPointOf(n);
-    return level_offset_[level] + static_cast<Slot>(isQuad() ? quad().slotInLevel(p) : bisect().slotInLevel(p));
+    return level_offset_[level] + (isQuad() ? quad().slotInLevel(p) : bisect().slotInLevel(p));
   }
   // The node of a slot, or base vertex 0 if the slot is padding or out of range.
   NodeId node(Slot slot) const {
     if (slot >= slotCount()) return {};
     int level = level_hint_[std::bit_width(slot)];
     while (slot >= level_offset_[level + 1]) ++level;  // levels grow twofold or more, so rarely more than two steps
-    const Slot within = slot - level_offset_[level];
+    const auto within = static_cast<uint32_t>(slot - level_offset_[level]);
     return within < slotsOfLevel(level) ? nodeWithin(level, within) : NodeId{};
   }
 
@@ -122,13 +123,13 @@ class MeshTopology {
     friend class MeshTopology;
     const MeshTopology* mesh_;
     int level_;
-    Slot within_;
+    uint32_t within_;
   };
   PageNodes pageNodes(int level, Slot first) const {
     PageNodes page;
     page.mesh_ = this;
     page.level_ = level;
-    page.within_ = first - level_offset_[level];
+    page.within_ = static_cast<uint32_t>(first - level_offset_[level]);
     return page;
   }
 
@@ -147,7 +148,7 @@ class MeshTopology {
   uint64_t slotsOfLevel(int level) const {
     return isQuad() ? quad().slotsOfLevel(level) : bisect().slotsOfLevel(level);
   }
-  NodeId nodeWithin(int level, Slot within) const {
+  NodeId nodeWithin(int level, uint32_t within) const {
     return isQuad() ? quad().nodeOfSlot(level, within) : bisect().nodeOfSlot(level, within);
   }
   Status numberSlots();
@@ -157,7 +158,7 @@ class MeshTopology {
   uint32_t halvings_ = 1;
   int max_level_ = 1;
   std::array<Slot, kMaxLevels + 2> level_offset_{};
-  std::array<int, 33> level_hint_{};  // by bit width of a slot: the level of the smallest slot of that width
+  std::array<int, kSlotBits + 1> level_hint_{};  // by bit width of a slot: the level of the smallest slot of that width
 };
 
 }  // namespace foreland::proto

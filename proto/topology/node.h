@@ -25,11 +25,14 @@ struct NodeId {
   auto operator<=>(const NodeId&) const = default;
 };
 
-// A node's index in the scene's flat tables and in the canonical order: coarse levels first, neighbours close together.
-using Slot = uint32_t;
-inline constexpr Slot kNoSlot = 0xffffffffu;
+// A node's place in the canonical order: coarse levels first, neighbours close together. A slot is a name: that a node
+// has one does not say that anything is stored of it.
+using Slot = uint64_t;
+inline constexpr Slot kNoSlot = ~Slot{0};
+// Every slot is less than 2 to this power, so that the key of a page takes six bytes.
+inline constexpr int kSlotBits = 56;
 // A page is this many consecutive slots, which are a tile of the level: neighbours share a page. A level begins with a
-// page.
+// page. Pages have keys: the key of a slot's page is the slot divided by this.
 inline constexpr Slot kPageSlots = 256;
 
 // Up to `Capacity` ids without allocation.

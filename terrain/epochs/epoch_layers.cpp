@@ -160,7 +160,7 @@ EpochBlocks EpochLayers::offsets(uint32_t epoch) {
         continue;
       }
       const proto::Slot slot = grid_.slot(v);
-      blocks[slot / 64][slot % 64] = quanta;
+      blocks[static_cast<uint32_t>(slot / 64)][slot % 64] = quanta;
     }
   return blocks;
 }

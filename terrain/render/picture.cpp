@@ -31,7 +31,8 @@ uint32_t nodeAt(const proto::GridTopology& grid, const RayHit& hit) {
   const auto x = static_cast<uint32_t>(hit.corner.x), y = static_cast<uint32_t>(hit.corner.y);
   const proto::NodeId n = proto::NodeId::at(x, y);
   const bool is_vertex = x == hit.corner.x && y == hit.corner.y;
-  return hit.object == RayHit::kTerrain && is_vertex && !grid.isBase(n) ? grid.slot(n) : proto::kNoSlot;
+  return hit.object == RayHit::kTerrain && is_vertex && !grid.isBase(n) ? static_cast<uint32_t>(grid.slot(n))
+                                                                        : kNothing;
 }
 
 // As Picture::object.
@@ -43,8 +44,8 @@ Picture blankPicture(const proto::Lens& lens) {
           .height = lens.height_px,
           .depth_m = std::vector<float>(pixels, std::numeric_limits<float>::infinity()),
           .normal = std::vector<glm::vec3>(pixels, glm::vec3(0)),
-          .node = std::vector<uint32_t>(pixels, proto::kNoSlot),
-          .object = std::vector<uint32_t>(pixels, proto::kNoSlot),
+          .node = std::vector<uint32_t>(pixels, kNothing),
+          .object = std::vector<uint32_t>(pixels, kNothing),
           .colour = std::vector<glm::vec3>(pixels),
           .error_px = {}};
 }
@@ -71,7 +72,7 @@ PixelErrors measureErrors(const RayCaster& truth, const ParameterLookup& drawn, 
   const Projector projector(camera);
   const size_t pixels = size_t{camera.lens.width_px} * camera.lens.height_px;
   PixelErrors errors{std::vector<float>(pixels, std::numeric_limits<float>::quiet_NaN()),
-                     std::vector<uint32_t>(pixels, proto::kNoSlot)};
+                     std::vector<uint32_t>(pixels, kNothing)};
   forEachPixel(camera, projector, [&](size_t pixel, const Ray& ray) {
     const std::optional<RayHit> hit = truth.hit(ray);
     if (!hit) return;

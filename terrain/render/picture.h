@@ -22,15 +22,19 @@ struct Camera {
   unsigned threads = 0;  // 0: one a processor
 };
 
+// What pixels say that show no node, or no object.
+inline constexpr uint32_t kNothing = 0xffffffffu;
+
 // Row by row from the top. `error_px` is empty until somebody measures it.
 struct Picture {
   uint32_t width = 0, height = 0;
   std::vector<float> depth_m;     // along the direction of view; infinite in the sky
   std::vector<glm::vec3> normal;  // RayHit's, scene frame; zero in the sky
-  // The slot of the terrain's node at the corner of the triangle that is nearest to the point; kNoSlot in the sky, on
+  // The lower 32 bits of the slot of the terrain's node at the corner of the triangle that is nearest to the point;
+  // kNothing in the sky, on
   // objects, at base vertices, and where a drawn triangle was cut at the border of the data.
   std::vector<uint32_t> node;
-  std::vector<uint32_t> object;   // 0 the terrain, 1 + i object i, kNoSlot the sky
+  std::vector<uint32_t> object;   // 0 the terrain, 1 + i object i, kNothing the sky
   std::vector<glm::vec3> colour;  // linear
   std::vector<float> error_px;    // see measureErrors
 };

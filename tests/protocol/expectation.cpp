@@ -100,7 +100,7 @@ std::string terrainColumns(const server::Hierarchy& hierarchy, const proto::View
   proto::diff(before.terrain, now.terrain, delta);
   Crc slots, heights;
   for (proto::Slot slot : now.terrain.slots) {
-    slots.add(slot);
+    slots.add(static_cast<uint32_t>(slot));
     heights.add(static_cast<uint32_t>(hierarchy.nodes()[slot].height()));
   }
   const proto::Metric metric = hierarchy.domain().metric(view);
@@ -127,7 +127,7 @@ std::string objectColumns(const server::Hierarchy& hierarchy, const proto::HeldS
     removed += delta.removed.size();
     slots.add(static_cast<uint32_t>(section.slots.size()));
     for (proto::Slot slot : section.slots) {
-      slots.add(slot);
+      slots.add(static_cast<uint32_t>(slot));
       for (int axis = 0; axis < 3; ++axis) positions.add(static_cast<uint32_t>(records[slot].position[axis]));
       for (const glm::ivec3& move : hierarchy.objects().nodesOf(i).movesOf(slot))
         for (int axis = 0; axis < 3; ++axis) positions.add(static_cast<uint32_t>(move[axis]));

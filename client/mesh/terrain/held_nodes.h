@@ -45,7 +45,7 @@ class HeldNodes {
   struct Membership {
     uint64_t from = 0, to = 0;
     uint8_t in(proto::Slot slot) const {
-      const uint32_t at = slot % proto::SparseNodes::kBlockSlots;
+      const auto at = static_cast<uint32_t>(slot % proto::SparseNodes::kBlockSlots);
       return static_cast<uint8_t>((from >> at & 1) * kInFrom | (to >> at & 1) * kInTo);
     }
   };
@@ -105,7 +105,7 @@ class HeldNodes::Index {
     const uint32_t number = nodes_.records_.block(slot);
     const Block& block = blocks_[number];
     const uint64_t all = block.sections.from | block.sections.to;
-    const uint32_t at = slot % proto::SparseNodes::kBlockSlots;
+    const auto at = static_cast<uint32_t>(slot % proto::SparseNodes::kBlockSlots);
     if (!(all >> at & 1)) return {};
     return {block.begin + static_cast<uint32_t>(std::popcount(all & ((uint64_t{1} << at) - 1))),
             block.sections.in(slot), number, slot};

@@ -19,17 +19,19 @@ void reserveMore(Bytes& v, size_t more) {
 
 void NodeMemory::keep(Slot first, const PageKnowledge& knowledge) {
   if (budget_ == 0) return;
-  const uint32_t key = first / kPageSlots;
-  static_assert((uint64_t{kMaxKey} + 1) * kPageSlots == uint64_t{1} << 32);
+  const uint64_t key = first / kPageSlots;
   if (4 * (count_ + 1) > 3 * cells_.size()) makeCells(kFewCells + cells_.size() + cells_.size() / 4);
   const size_t cell = cellOf(key);
   CHECK_EQ(cells_[cell], kNowhere);
 
   const size_t begin = log_.size();
-  reserveMore(log_, kHead + kMaxPackedBytes);
-  for (const uint32_t byte : {0u, key, key >> 8, key >> 16}) log_.push_back(static_cast<uint8_t>(byte));
+  static_assert(kMaxPackedBytes < kLong && kSlotBits <= 8 * 6 + 8);
+  const size_t key_bytes = keyBytes(key), packed = begin + 1 + key_bytes;
+  reserveMore(log_, 1 + key_bytes + kMaxPackedBytes);
+  log_.push_back(0);
+  for (size_t i = 0; i < key_bytes; ++i) log_.push_back(static_cast<uint8_t>(key >> 8 * i));
   packPage(knowledge, log_);
-  log_[begin] = static_cast<uint8_t>(log_.size() - begin - kHead);
+  log_[begin] = static_cast<uint8_t>(log_.size() - packed) | (key_bytes > 3 ? kLong : 0);
   cells_[cell] = static_cast<Place>(begin);
   ++count_;
   client_bytes_ += knowledge.clientBytes();
@@ -68,7 +70,7 @@ std::vector<KnownPage> NodeMemory::pages() const {
   pages.reserve(count_);
   for (Place place = oldest_; place < log_.size();) {
     const Entry entry = entryAt(place);
-    if (isUsed(entry.key, place)) pages.push_back({Slot{entry.key} * kPageSlots, unpackPage(entry.packed)});
+    if (isUsed(entry.key, place)) pages.push_back({entry.key * kPageSlots, unpackPage(entry.packed)});
     place += static_cast<Place>(entry.size());
   }
   std::reverse(pages.begin(), pages.end());
@@ -83,7 +85,10 @@ void NodeMemory::clear() {
 
 NodeMemory::Entry NodeMemory::entryAt(Place place) const {
   const uint8_t* head = &log_[place];
-  return {static_cast<uint32_t>(head[1] | head[2] << 8 | head[3] << 16), {head + kHead, head[0]}};
+  uint64_t key = static_cast<uint64_t>(head[1] | head[2] << 8 | head[3] << 16);
+  if ((head[0] & kLong) == 0) return {key, {head + 4, head[0]}};
+  key |= static_cast<uint64_t>(head[4] | head[5] << 8 | head[6] << 16) << 24;
+  return {key, {head + 7, static_cast<size_t>(head[0] & ~kLong)}};
 }
 
 std::optional<NodeMemory::Entry> NodeMemory::entryOf(Slot slot) const {
@@ -92,7 +97,7 @@ std::optional<NodeMemory::Entry> NodeMemory::entryOf(Slot slot) const {
   return place == kNowhere ? std::nullopt : std::optional(entryAt(place));
 }
 
-bool NodeMemory::isUsed(uint32_t key, Place place) const { return count_ > 0 && cells_[cellOf(key)] == place; }
+bool NodeMemory::isUsed(uint64_t key, Place place) const { return count_ > 0 && cells_[cellOf(key)] == place; }
 
 void NodeMemory::remove(size_t cell, const Entry& entry, const PageKnowledge& knowledge) {
   unused_ += entry.size();
@@ -132,7 +137,7 @@ void NodeMemory::moveUp() {
   unused_ = 0;
 }
 
-size_t NodeMemory::cellOf(uint32_t key) const {
+size_t NodeMemory::cellOf(uint64_t key) const {
   size_t cell = home(key);
   while (cells_[cell] != kNowhere && entryAt(cells_[cell]).key != key) cell = next(cell);
   return cell;

@@ -58,27 +58,27 @@ class NodeMemory {
   using Place = uint32_t;
   static constexpr Place kNowhere = ~Place{0};
   struct Entry {
-    uint32_t key;  // slot / kPageSlots
+    uint64_t key;  // slot / kPageSlots
     ByteSpan packed;
-    size_t size() const { return kHead + packed.size(); }
+    size_t size() const { return 1 + keyBytes(key) + packed.size(); }
   };
-  // Before what is packed: how many bytes of it follow, and the key.
-  static constexpr size_t kHead = 4;
-  static constexpr uint32_t kMaxKey = (1u << 24) - 1;
+  // Before what is packed: how many bytes of it follow, with a flag if the key is a long one; and the key.
+  static constexpr uint8_t kLong = 0x80;
+  static constexpr size_t keyBytes(uint64_t key) { return key >> 24 == 0 ? 3 : 6; }
 
   Entry entryAt(Place place) const;
   std::optional<Entry> entryOf(Slot slot) const;
-  bool isUsed(uint32_t key, Place place) const;
+  bool isUsed(uint64_t key, Place place) const;
   void remove(size_t cell, const Entry& entry, const PageKnowledge& knowledge);
   void evict();
   void moveUp();
 
   // The index: open addressing with linear probing, a cell for each page that names its place only; the key stands in
   // the log. At most three of four cells are used.
-  size_t home(uint32_t key) const { return (uint64_t{key * 0x9e3779b1u} * cells_.size()) >> 32; }
+  size_t home(uint64_t key) const { return ((key * 0x9e3779b97f4a7c15u >> 32) * cells_.size()) >> 32; }
   size_t next(size_t cell) const { return cell + 1 == cells_.size() ? 0 : cell + 1; }
   // The cell of the key, or the free one where it would be. There are cells.
-  size_t cellOf(uint32_t key) const;
+  size_t cellOf(uint64_t key) const;
   void makeCells(size_t count);
   void freeCell(size_t cell);
 

@@ -26,7 +26,7 @@ namespace foreland::proto {
 
 struct NodePage {
   SlotBits in_section, on_frontier;
-  uint32_t key = 0;  // slot / kPageSlots
+  uint64_t key = 0;  // slot / kPageSlots
 
   Slot first() const { return key * kPageSlots; }
   bool isEmpty() const { return !in_section.any() && !on_frontier.any(); }
@@ -58,7 +58,7 @@ class PagedNodes {
 
   // Makes the slot's page, which must not be there, and returns its number. It is one of pages() after orderPages().
   uint32_t makePage(Slot slot) {
-    const uint32_t key = slot / kPageSlots;
+    const uint64_t key = slot / kPageSlots;
     CHECK_EQ(numbers_.find(key), kNone);
     if (free_.empty()) {
       reserveMore(pages_, 1);
@@ -75,7 +75,8 @@ class PagedNodes {
   }
 
   struct PageName {
-    uint32_t key, number;
+    uint64_t key;
+    uint32_t number;
   };
   // Sorts new pages in among the others, in place from the back.
   void orderPages() {

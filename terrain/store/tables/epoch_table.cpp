@@ -61,7 +61,7 @@ Result<EpochTable> EpochTable::read(const proto::GridTopology& grid, ByteSpan by
 
 // What a damaged file says is kept within bounds; verify finds the damage.
 int32_t EpochTable::offset(uint32_t epoch, proto::Slot slot) const {
-  const OffsetBlock* block = blockOf(epoch, slot / 64);
+  const OffsetBlock* block = blockOf(epoch, static_cast<uint32_t>(slot / 64));
   return block ? clamped((*block)[slot % 64]) : 0;
 }
 

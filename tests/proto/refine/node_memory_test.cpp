@@ -68,6 +68,9 @@ class ListOfPages {
   std::list<KnownPage> pages_;
 };
 
+// Keys that take three bytes and keys that take more.
+Slot firstOfPage(uint64_t n) { return (n % 2 == 0 ? n : n << 42) * kPageSlots; }
+
 TEST(NodeMemory, IsAListOfPagesCutOffWhereTheBudgetEnds) {
   const uint64_t seed = test::randomSeed();
   Rng rng(seed);
@@ -78,12 +81,11 @@ TEST(NodeMemory, IsAListOfPagesCutOffWhereTheBudgetEnds) {
     ListOfPages list(budget);
     size_t most = 0;
     for (int i = 0; i < 3000; ++i) {
-      const Slot first = static_cast<Slot>(rng.below(60)) * kPageSlots,
-                 slot = first | static_cast<Slot>(rng.below(256));
+      const Slot first = firstOfPage(rng.below(60)), slot = first | rng.below(256);
       PageKnowledge expected;
       const bool is_there = list.take(first, expected);
       const auto found = memory.find(slot);
-      ASSERT_EQ(memory.knowsAnyOf64(slot & ~63u), is_there && expected.knowsAnyOf64(slot))
+      ASSERT_EQ(memory.knowsAnyOf64(slot & ~Slot{63}), is_there && expected.knowsAnyOf64(slot))
           << "seed " << seed << ", step " << i;
       ASSERT_EQ(memory.radius(slot), is_there ? std::optional(expected.radius) : std::nullopt);
       ASSERT_EQ(found.has_value(), is_there) << "seed " << seed << ", step " << i;

@@ -13,16 +13,17 @@ namespace foreland::proto {
 namespace {
 
 struct Page : NodePage {
-  uint32_t own = 0;  // stays with the page
+  uint64_t own = 0;  // stays with the page
 };
 using Nodes = PagedNodes<Page>;
 
 class PagedNodesAndReference {
  public:
-  explicit PagedNodesAndReference(uint64_t seed) : rng_(seed) {}
+  // `base` is the first slot of the first page.
+  PagedNodesAndReference(uint64_t seed, Slot base) : rng_(seed), base_(base) {}
 
   void change(bool grows) {
-    const Slot slot = static_cast<Slot>(rng_.below(40) << 8 | rng_.below(8) << 5 | 7);
+    const Slot slot = base_ + (rng_.below(40) << 8 | rng_.below(8) << 5 | 7);
     const uint8_t low = lowOf(slot);
     uint32_t page = nodes_.find(slot);
     const bool is_section = rng_.below(2) == 0;
@@ -57,14 +58,16 @@ class PagedNodesAndReference {
     for (size_t i = every / 2; i < in_section.size(); i += every) some.push_back(in_section[i]);
     ASSERT_EQ(sampled, some) << "one in " << every;
     for (int i = 0; i < 200; ++i) {
-      const Slot slot = static_cast<Slot>(rng_.below(45 << 8)), first = slot - slot % 64;
+      const Slot slot = base_ + rng_.below(45 << 8), first = slot - slot % 64;
       ASSERT_EQ(nodes_.isInSection(slot), in_section_.contains(slot));
       ASSERT_EQ(nodes_.isOnFrontier(slot), on_frontier_.contains(slot));
       ASSERT_EQ(nodes_.hasAnyOf64(first), hasAny(in_section_, first, 64) || hasAny(on_frontier_, first, 64));
     }
-    std::vector<uint32_t> keys, expected;
-    for (const Nodes::PageName& name : nodes_.pagesOf(5 * kPageSlots, 20 * kPageSlots)) keys.push_back(name.key);
-    for (Slot key = 5; key < 20; ++key)
+    std::vector<uint64_t> keys, expected;
+    const uint64_t first = base_ / kPageSlots;
+    for (const Nodes::PageName& name : nodes_.pagesOf(base_ + 5 * kPageSlots, base_ + 20 * kPageSlots))
+      keys.push_back(name.key);
+    for (uint64_t key = first + 5; key < first + 20; ++key)
       if (hasAny(in_section_, key * kPageSlots, kPageSlots) || hasAny(on_frontier_, key * kPageSlots, kPageSlots))
         expected.push_back(key);
     ASSERT_EQ(keys, expected);
@@ -79,15 +82,18 @@ class PagedNodesAndReference {
   }
 
   Rng rng_;
+  Slot base_;
   Nodes nodes_;
   std::set<Slot> in_section_, on_frontier_;
   size_t dropped_ = 0;
 };
 
-TEST(PagedNodes, AreTwoSetsOfSlots) {
+class PagesFrom : public testing::TestWithParam<Slot> {};
+
+TEST_P(PagesFrom, AreTwoSetsOfSlots) {
   const auto seed = static_cast<uint64_t>(testing::UnitTest::GetInstance()->random_seed());
   SCOPED_TRACE("seed " + std::to_string(seed));
-  PagedNodesAndReference pair(seed);
+  PagedNodesAndReference pair(seed, GetParam());
   for (int step = 0; step < 400; ++step) {
     // Up to most slots and down to few, so that pages are made and dropped.
     for (int i = 0; i < 100; ++i) pair.change(step / 50 % 2 == 0);
@@ -97,6 +103,8 @@ TEST(PagedNodes, AreTwoSetsOfSlots) {
   }
   EXPECT_GT(pair.dropped(), 100u);
 }
+
+INSTANTIATE_TEST_SUITE_P(PagedNodes, PagesFrom, testing::Values(0, Slot{1} << 52));
 
 }  // namespace
 }  // namespace foreland::proto

@@ -12,12 +12,13 @@ namespace foreland::proto {
 namespace {
 
 // Keys whose products share their upper bits, so that chains of cells grow long and wrap around the table's end.
-uint32_t keyOf(uint64_t n, uint64_t kind) {
-  constexpr uint32_t kInverse = 0xe8b2f51u;  // times 0x9e3779b1 is 1
-  static_assert(kInverse * 0x9e3779b1u == 1);
-  const auto i = static_cast<uint32_t>(n);
-  if (kind == 0) return i;
-  return kInverse * (kind == 1 ? 0xffffff00u + i : i << 8);
+// The last kind of keys differ in their upper halves alone.
+uint64_t keyOf(uint64_t n, uint64_t kind) {
+  constexpr uint64_t kInverse = 0xf1de83e19937733du;  // times 0x9e3779b97f4a7c15 is 1
+  static_assert(kInverse * 0x9e3779b97f4a7c15u == 1);
+  if (kind == 0) return n;
+  if (kind == 3) return n << 32 | 7;
+  return kInverse * (kind == 1 ? 0xffffffffffffff00u + n : n << 8);
 }
 
 class IndexTables : public testing::TestWithParam<uint64_t> {};
@@ -27,9 +28,9 @@ TEST_P(IndexTables, FindWhatWasInsertedAndNotErased) {
   SCOPED_TRACE("seed " + std::to_string(seed));
   Rng rng(seed);
   IndexTable table;
-  std::map<uint32_t, uint32_t> expected;
+  std::map<uint64_t, uint32_t> expected;
   for (int i = 0; i < 20000; ++i) {
-    const uint32_t key = keyOf(rng.below(200), GetParam());
+    const uint64_t key = keyOf(rng.below(200), GetParam());
     // Grows and shrinks in turns.
     if (rng.below(3) == (i / 1000 % 2 == 0 ? 0u : 1u)) {
       if (expected.erase(key) > 0) table.erase(key);
@@ -39,7 +40,7 @@ TEST_P(IndexTables, FindWhatWasInsertedAndNotErased) {
       expected[key] = index;
     }
     ASSERT_EQ(table.size(), expected.size());
-    const uint32_t other = keyOf(rng.below(220), GetParam());
+    const uint64_t other = keyOf(rng.below(220), GetParam());
     const auto it = expected.find(other);
     ASSERT_EQ(table.find(other), it == expected.end() ? IndexTable::kNone : it->second) << "step " << i;
     if (i % 1000 == 0) {
@@ -48,7 +49,7 @@ TEST_P(IndexTables, FindWhatWasInsertedAndNotErased) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Keys, IndexTables, testing::Values(0, 1, 2));
+INSTANTIATE_TEST_SUITE_P(Keys, IndexTables, testing::Values(0, 1, 2, 3));
 
 TEST(IndexTable, ForgetsAllKeysAndTheirMemory) {
   IndexTable table;

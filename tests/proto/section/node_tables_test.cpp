@@ -24,9 +24,9 @@ TEST(SparseNodes, HoldWhatWasMade) {
   SparseNodes nodes(grid(), {corners, centres});
   std::map<Slot, NodeRecord> reference;
   for (int round = 0; round < 30; ++round) {
-    const uint64_t reach = uint64_t{1} << rng.below(32);  // near slots and far ones
+    const uint64_t reach = uint64_t{1} << rng.below(kSlotBits + 1);  // near slots and far ones
     for (int i = 0; i < 500; ++i) {
-      const Slot slot = static_cast<Slot>(rng.below(reach));
+      const Slot slot = rng.below(reach);
       const NodeRecord record{rng.next()};
       nodes.make(slot) = record;
       reference[slot] = record;
@@ -37,7 +37,7 @@ TEST(SparseNodes, HoldWhatWasMade) {
       blocks.insert(slot / SparseNodes::kBlockSlots);
     }
     ASSERT_EQ(nodes.blockCount(), blocks.size() + 1);
-    const Slot other = static_cast<Slot>(rng.next());
+    const Slot other = rng.next() >> (64 - kSlotBits);
     if (!blocks.count(other / SparseNodes::kBlockSlots)) {
       ASSERT_EQ(nodes.block(other), SparseNodes::kNone);
       ASSERT_EQ(nodes.at(other), NodeRecord{});

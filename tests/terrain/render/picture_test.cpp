@@ -164,7 +164,7 @@ TEST(ErrorImage, IsYellowAtTheToleranceRedAboveAndGreyInTheSky) {
   EXPECT_LT(image.at(1, 0)[1], 100);
   EXPECT_GT(image.at(1, 0)[0], 200);
   EXPECT_EQ(image.at(2, 0)[0], image.at(2, 0)[2]);
-  const auto summary = terrain::summarise({picture.error_px, {0, 0, proto::kNoSlot}}, 2);
+  const auto summary = terrain::summarise({picture.error_px, {0, 0, terrain::kNothing}}, 2);
   EXPECT_EQ(summary.terrain_pixels, 2u);
   EXPECT_EQ(summary.terrain_over_tau, 1u);
 }
@@ -194,7 +194,7 @@ TEST(Picture, ShowsObjectsInTheirColoursAndMeasuresThemByTheirParameters) {
   const size_t middle = kLens.width_px * kLens.height_px / 2 + kLens.width_px / 2;
   const Picture picture = truth.take(camera);
   EXPECT_EQ(picture.object[middle], 1u);
-  EXPECT_EQ(picture.node[middle], proto::kNoSlot);
+  EXPECT_EQ(picture.node[middle], terrain::kNothing);
   EXPECT_NEAR(picture.depth_m[middle], 50, 0.1);
   EXPECT_GT(picture.colour[middle].r, 1.5f * picture.colour[middle].b);
   for (const double tau_px : {0.5, 3.0}) {
