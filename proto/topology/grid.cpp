@@ -21,6 +21,9 @@ Result<GridTopology> GridTopology::create(const GridShape& shape) {
       shape.roots_y > kMaxSamples >> shape.root_log2)
     return refuse(std::to_string(shape.roots_x) + " x " + std::to_string(shape.roots_y) +
                   " roots are none or too many");
+  if (shape.sparse_levels > 2 * shape.root_log2 - 2)
+    return refuse(std::to_string(shape.sparse_levels) + " sparse levels of " + std::to_string(2 * shape.root_log2 - 1) +
+                  "; the first one is whole");
   GridTopology grid;
   grid.shape_ = shape;
   if (shape.samples_x < 2 || shape.samples_y < 2 || shape.samples_x > grid.maxX() + 1 ||
@@ -28,6 +31,9 @@ Result<GridTopology> GridTopology::create(const GridShape& shape) {
     return refuse(std::to_string(shape.samples_x) + " x " + std::to_string(shape.samples_y) +
                   " samples do not fit its roots");
 
+  if (uint64_t{grid.maxX()} * grid.maxY() > kMaxPositions)
+    return refuse(std::to_string(grid.maxX()) + " x " + std::to_string(grid.maxY()) +
+                  " sample intervals; up to 2^37 are supported");
   Slot offset = 0;
   for (int level = 1; level <= grid.maxLevel(); ++level) {
     const bool sides = level & 1;
@@ -37,7 +43,7 @@ Result<GridTopology> GridTopology::create(const GridShape& shape) {
     grid.inverse_tiles_x_[level] = 1.0 / static_cast<double>(tiles_x);
     grid.level_offset_[level] = offset;
     offset += tiles_x * tiles_y * kTile * kTile * (sides ? 2 : 1);
-    if (offset >= kMaxSlots) return refuse("more than 2^32 nodes");
+    if (level <= grid.wholeLevels() && offset >= kMaxWholeSlots) return refuse("more than 2^32 nodes on whole levels");
   }
   grid.level_offset_[grid.maxLevel() + 1] = offset;
   for (int width = 0, level = 1; width <= kSlotBits; ++width) {

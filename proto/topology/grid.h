@@ -32,7 +32,17 @@ struct GridShape {
   uint32_t root_log2 = 1;  // k: a root square spans 2^k sample intervals
   uint32_t samples_x = 3;  // data columns, at most roots_x * 2^k + 1
   uint32_t samples_y = 3;  // data rows
+  // So many of the finest levels are sparse: not all of their pages need be there. Of all other levels all are.
+  uint32_t sparse_levels = 0;
   bool operator==(const GridShape&) const = default;
+};
+
+// Where a page (kPageSlots) lies among those of its level, which stand in rows: a tile of 16 x 16 centres is a page, of
+// sides half a tile is, the lower or the upper one.
+struct PagePlace {
+  int level = 1;
+  uint32_t column = 0, row = 0;
+  bool operator==(const PagePlace&) const = default;
 };
 
 class GridTopology {
@@ -40,10 +50,11 @@ class GridTopology {
   static constexpr uint32_t kMaxRootLog2 = 15;
   static constexpr uint32_t kMaxSamples = 1u << 20;  // per axis
   static constexpr int kMaxLevels = 2 * kMaxRootLog2;
-  static constexpr Slot kMaxSlots = 0xffffffffu;
+  static constexpr Slot kMaxWholeSlots = 0xffffffffu;           // of the levels that are whole
+  static constexpr uint64_t kMaxPositions = uint64_t{1} << 37;  // of the lattice
 
-  // Refuses shapes that are empty, larger than the limits above, or whose data exceeds the
-  // roots.
+  // Refuses shapes that are empty, larger than the limits above, without a level that is whole, or whose data exceeds
+  // the roots.
   static Result<GridTopology> create(const GridShape& shape);
 
   // Root squares that cover `samples_x` x `samples_y` with at most about eight roots a side. Both at least 2.
@@ -54,6 +65,8 @@ class GridTopology {
   uint32_t maxX() const { return shape_.roots_x << shape_.root_log2; }
   uint32_t maxY() const { return shape_.roots_y << shape_.root_log2; }
   int maxLevel() const { return 2 * static_cast<int>(shape_.root_log2) - 1; }
+  // The finest level all of whose pages are there, at least 1.
+  int wholeLevels() const { return maxLevel() - static_cast<int>(shape_.sparse_levels); }
   // One past the largest slot.
   Slot slotCount() const { return level_offset_[maxLevel() + 1]; }
   Slot levelOffset(int level) const { return level_offset_[level]; }
@@ -63,6 +76,24 @@ class GridTopology {
   static constexpr uint32_t kTileSide = 32;
   // Tiles of a level follow each other in the slot order, row by row, so many in a row.
   uint32_t tilesAlongX(int level) const { return tiles_x_[level]; }
+
+  // The columns of pages of a level, and the rows.
+  uint32_t pageColumns(int level) const { return tiles_x_[level]; }
+  uint32_t pageRows(int level) const {
+    return static_cast<uint32_t>((level_offset_[level + 1] - level_offset_[level]) / kPageSlots / tiles_x_[level]);
+  }
+  // Of a slot in the grid.
+  PagePlace pagePlace(Slot slot) const {
+    const int level = levelOf(slot);
+    const Cell cell = cellOf(level, slot);
+    return {level, cell.x >> kTileLog2, cell.y >> (kTileLog2 - (level & 1))};
+  }
+  // The first slot of a page in the grid.
+  Slot pageAt(const PagePlace& page) const {
+    const uint32_t sides = page.level & 1;
+    const Slot tile = Slot{page.row >> sides} * tiles_x_[page.level] + page.column;
+    return level_offset_[page.level] + ((tile << sides | (page.row & sides)) * kPageSlots);
+  }
 
   bool contains(NodeId n) const { return n.x() <= maxX() && n.y() <= maxY(); }
 
@@ -154,8 +185,7 @@ class GridTopology {
   // The node of a slot, or base vertex (0, 0) if the slot is padding or out of range.
   NodeId node(Slot slot) const {
     if (slot >= slotCount()) return {};
-    int level = level_hint_[std::bit_width(slot)];
-    while (slot >= level_offset_[level + 1]) ++level;  // levels grow about twofold, so rarely more than two steps
+    const int level = levelOf(slot);
     const uint32_t sides = level & 1, along_y = sides & static_cast<uint32_t>(slot - level_offset_[level]);
     const Cell cell = cellOf(level, slot);
     const uint32_t t = scaleLog2At(level), s = 1u << t;
@@ -198,6 +228,12 @@ class GridTopology {
  private:
   static constexpr uint32_t kTileLog2 = 4, kTile = 1u << kTileLog2;
 
+  // Of a slot in the grid.
+  int levelOf(Slot slot) const {
+    int level = level_hint_[std::bit_width(slot)];
+    while (slot >= level_offset_[level + 1]) ++level;  // levels grow about twofold, so rarely more than two steps
+    return level;
+  }
   // Of the nodes of a level.
   uint32_t scaleLog2At(int level) const { return shape_.root_log2 - 1 - (static_cast<uint32_t>(level) >> 1); }
   // The square of 2s that a slot belongs to.

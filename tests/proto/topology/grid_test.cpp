@@ -11,7 +11,9 @@
 #include <utility>
 #include <vector>
 
+#include "base/rng.h"
 #include "proto/section/bounds.h"
+#include "tests/support/seed.h"
 
 namespace foreland::proto {
 namespace {
@@ -73,6 +75,25 @@ TEST_P(Grid, PagesOfSlotsLieInOneLevel) {
     const Slot slot = grid.slot(n), first = slot - slot % kPageSlots;
     EXPECT_EQ(grid.slot(n, level), slot);
     EXPECT_EQ(grid.pageNodes(level, first).at(slot - first), n);
+  });
+}
+
+TEST_P(Grid, PagesStandInRows) {
+  for (int level = 1; level <= grid.maxLevel(); ++level)
+    for (Slot first = grid.levelOffset(level); first < grid.levelOffset(level + 1); first += kPageSlots) {
+      const PagePlace page = grid.pagePlace(first);
+      EXPECT_EQ(page.level, level);
+      EXPECT_LT(page.column, grid.pageColumns(level));
+      EXPECT_LT(page.row, grid.pageRows(level));
+      EXPECT_EQ(grid.pageAt(page), first);
+      EXPECT_EQ(grid.pagePlace(first + kPageSlots - 1), page);
+    }
+  // As far as their nodes lie apart.
+  forEachNode(grid, [&](NodeId n) {
+    const PagePlace page = grid.pagePlace(grid.slot(n));
+    const uint32_t cell = 2u << grid.scaleLog2(n), rows = page.level % 2 == 1 ? 8 : 16;
+    EXPECT_EQ(page.column, n.x() / cell / 16);
+    EXPECT_EQ(page.row, n.y() / cell / rows);
   });
 }
 
@@ -220,10 +241,33 @@ TEST_P(Grid, AnySetClosedUnderParentsConforms) {
 INSTANTIATE_TEST_SUITE_P(Shapes, Grid, testing::ValuesIn(kShapes));
 
 TEST(GridShapes, AreRefusedWhenEmptyTooLargeOrTooSmallForTheirData) {
-  const std::vector<GridShape> bad{{0, 1, 3, 3, 3},      {1, 0, 3, 3, 3},   {1, 1, 0, 2, 2},  {1, 1, 16, 3, 3},
-                                   {1, 1, 3, 1, 3},      {1, 1, 3, 10, 3},  {1, 1, 3, 3, 10}, {1u << 31, 1, 1, 3, 3},
-                                   {~0u, ~0u, 15, 3, 3}, {32, 32, 15, 3, 3}};
+  const std::vector<GridShape> bad{{0, 1, 3, 3, 3},      {1, 0, 3, 3, 3},    {1, 1, 0, 2, 2},    {1, 1, 16, 3, 3},
+                                   {1, 1, 3, 1, 3},      {1, 1, 3, 10, 3},   {1, 1, 3, 3, 10},   {1u << 31, 1, 1, 3, 3},
+                                   {~0u, ~0u, 15, 3, 3}, {32, 32, 15, 3, 3}, {1, 1, 3, 3, 3, 5}, {32, 32, 15, 3, 3, 20},
+                                   {6, 6, 15, 3, 3, 1}};
   for (const GridShape& shape : bad) EXPECT_FALSE(GridTopology::create(shape).ok());
+}
+
+// Of more nodes than 32 bits name.
+TEST(Grids, WithSparseLevelsNameNodesOneToOne) {
+  const uint64_t seed = test::randomSeed();
+  Rng rng(seed);
+  const GridTopology grid = *GridTopology::create({7, 7, 15, 200'000, 200'000, 12});
+  EXPECT_EQ(grid.wholeLevels(), 17);
+  EXPECT_GT(grid.slotCount(), Slot{1} << 35);
+  for (int i = 0; i < 100'000; ++i) {
+    const uint32_t s = 1u << rng.below(15);
+    const NodeId n = NodeId::at(static_cast<uint32_t>(rng.below(grid.maxX() + 1)) / s * s,
+                                static_cast<uint32_t>(rng.below(grid.maxY() + 1)) / s * s);
+    if (grid.isBase(n)) continue;
+    const Slot slot = grid.slot(n);
+    ASSERT_EQ(grid.node(slot), n) << "seed " << seed;
+    ASSERT_EQ(grid.slot(n, grid.level(n)), slot);
+    ASSERT_EQ(grid.pageNodes(grid.level(n), slot - slot % kPageSlots).at(static_cast<uint32_t>(slot % kPageSlots)), n);
+    ASSERT_EQ(grid.pagePlace(slot).level, grid.level(n));
+    const Slot any = rng.below(grid.slotCount());
+    if (const NodeId other = grid.node(any); other != NodeId{}) { ASSERT_EQ(grid.slot(other), any) << "seed " << seed; }
+  }
 }
 
 TEST(GridShapes, CoverTheSamplesWithFewRootsAndLittleWaste) {
