@@ -14,29 +14,33 @@ uint32_t divideUp(uint32_t a, uint32_t log2) { return (a + (1u << log2) - 1) >> 
 
 HiddenBlocks::HiddenBlocks(const GridTopology& grid)
     : root_log2_(grid.shape().root_log2), max_x_(grid.maxX()), max_y_(grid.maxY()) {
-  uint32_t chunks = 0;
+  uint64_t chunks = 0;
   for (uint32_t scale = 0; scale < root_log2_; ++scale) {
     const uint32_t side_log2 = scale + BlockId::kSideLog2 + kTileLog2;
     const Scale s{divideUp(max_x_, side_log2), divideUp(max_y_, side_log2), chunks};
-    chunks += divideUp(s.tiles_x * s.tiles_y, kChunkLog2);
+    chunks += (uint64_t{s.tiles_x} * s.tiles_y + kChunkTiles - 1) / kChunkTiles;
     scales_.push_back(s);
   }
-  chunk_of_.assign(chunks, 0);
 }
 
 const HiddenBlocks::Tile* HiddenBlocks::find(uint8_t scale, uint32_t tile_x, uint32_t tile_y) const {
   const Scale& level = scales_[scale];
-  const uint32_t at = tile_y * level.tiles_x + tile_x, chunk = chunk_of_[level.first_chunk + at / kChunkTiles];
-  return chunk == 0 ? nullptr : &chunks_[chunk][at % kChunkTiles];
+  if (level.known == 0) return nullptr;
+  const uint64_t at = uint64_t{tile_y} * level.tiles_x + tile_x;
+  const uint32_t chunk = numbers_.find(level.first_chunk + at / kChunkTiles);
+  return chunk == IndexTable::kNone ? nullptr : &chunks_[chunk][at % kChunkTiles];
 }
 
 HiddenBlocks::Tile& HiddenBlocks::make(uint8_t scale, uint32_t tile_x, uint32_t tile_y) {
   const Scale& level = scales_[scale];
-  const uint32_t at = tile_y * level.tiles_x + tile_x;
-  uint32_t& chunk = chunk_of_[level.first_chunk + at / kChunkTiles];
-  if (chunk == 0) {
+  const uint64_t at = uint64_t{tile_y} * level.tiles_x + tile_x, key = level.first_chunk + at / kChunkTiles;
+  uint32_t chunk = numbers_.find(key);
+  if (chunk == IndexTable::kNone) {
     chunk = static_cast<uint32_t>(chunks_.size());
     chunks_.emplace_back();
+    numbers_.insert(key, chunk);
+    const auto isBefore = [](const ChunkName& name, uint64_t other) { return name.key < other; };
+    order_.insert(std::lower_bound(order_.begin(), order_.end(), key, isBefore), {key, chunk});
   }
   return chunks_[chunk][at % kChunkTiles];
 }
@@ -103,14 +107,15 @@ bool HiddenBlocks::isKnownHidden(NodeId n) const {
 }
 
 void HiddenBlocks::clear() {
-  std::fill(chunk_of_.begin(), chunk_of_.end(), 0u);
+  numbers_.reset(0);
+  order_.clear();
   chunks_.resize(1);
   for (Scale& scale : scales_) scale.known = 0;
   known_ = 0;
 }
 
 size_t HiddenBlocks::bytes() const {
-  return chunk_of_.capacity() * sizeof(uint32_t) + chunks_.capacity() * sizeof(chunks_[0]) +
+  return numbers_.bytes() + order_.capacity() * sizeof(ChunkName) + chunks_.capacity() * sizeof(chunks_[0]) +
          scales_.capacity() * sizeof(Scale);
 }
 

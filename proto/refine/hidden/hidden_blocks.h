@@ -9,7 +9,7 @@
 // node is hidden, its descendants are, and a section without hidden nodes is closed.
 //
 // Blocks are kept in tiles of 4 by 4. One owner; portable to WebAssembly. Memory: 4 bytes a tile that is known, in
-// chunks of 64, and 4 bytes for each chunk of the scene.
+// chunks of 64, and some 50 bytes for each of these, whatever the size of the scene.
 #pragma once
 
 #include <array>
@@ -18,6 +18,7 @@
 #include <utility>
 #include <vector>
 
+#include "proto/section/index_table.h"
 #include "proto/space/view.h"
 #include "proto/topology/grid.h"
 
@@ -77,8 +78,13 @@ class HiddenBlocks {
  private:
   static constexpr uint32_t kChunkLog2 = 6, kChunkTiles = 1u << kChunkLog2;
   struct Scale {
-    uint32_t tiles_x, tiles_y, first_chunk;
-    uint32_t known = 0;  // blocks
+    uint32_t tiles_x, tiles_y;
+    uint64_t first_chunk;  // key of the first
+    uint32_t known = 0;    // blocks
+  };
+  struct ChunkName {
+    uint64_t key;
+    uint32_t number;
   };
   // The blocks of a node's scale that its square meets: from (x0, y0) to (x1, y1), both included.
   struct Range {
@@ -102,8 +108,9 @@ class HiddenBlocks {
   bool holdsVisible(const BlockId& block) const;
 
   std::vector<Scale> scales_;
-  std::vector<uint32_t> chunk_of_;                        // by chunk of the scene; 0: none
-  std::vector<std::array<Tile, kChunkTiles>> chunks_{1};  // the first is of none
+  IndexTable numbers_;                                    // of chunks, by key: they count from scale to scale
+  std::vector<ChunkName> order_;                          // ascending
+  std::vector<std::array<Tile, kChunkTiles>> chunks_{1};  // by number; that of IndexTable::kNone is of none
   size_t known_ = 0;
   uint32_t root_log2_, max_x_, max_y_;
 };
@@ -127,19 +134,17 @@ bool HiddenBlocks::isHidden(NodeId n, const Ask& ask) {
 
 template <class Visit>
 void HiddenBlocks::forEachTile(const Visit& visit) const {
-  for (size_t scale = 0; scale < scales_.size(); ++scale) {
+  size_t scale = 0;
+  for (const ChunkName& chunk : order_) {
+    while (scale + 1 < scales_.size() && chunk.key >= scales_[scale + 1].first_chunk) ++scale;
     const Scale& level = scales_[scale];
-    const uint32_t tiles = level.tiles_x * level.tiles_y;
-    for (uint32_t first = 0; first < tiles; first += kChunkTiles) {
-      const uint32_t chunk = chunk_of_[level.first_chunk + first / kChunkTiles];
-      if (chunk == 0) continue;
-      for (uint32_t i = 0; i < kChunkTiles && first + i < tiles; ++i) {
-        const Tile& tile = chunks_[chunk][i];
-        const uint32_t at = first + i;
-        if (tile.known != 0)
-          visit(BlockId{static_cast<uint8_t>(scale), at % level.tiles_x << kTileLog2, at / level.tiles_x << kTileLog2},
-                tile);
-      }
+    for (uint32_t i = 0; i < kChunkTiles; ++i) {
+      const Tile& tile = chunks_[chunk.number][i];
+      const uint64_t at = (chunk.key - level.first_chunk) * kChunkTiles + i;
+      if (tile.known != 0)
+        visit(BlockId{static_cast<uint8_t>(scale), static_cast<uint32_t>(at % level.tiles_x) << kTileLog2,
+                      static_cast<uint32_t>(at / level.tiles_x) << kTileLog2},
+              tile);
     }
   }
 }
