@@ -16,11 +16,11 @@ NodeId idOf(LatticePoint p) { return NodeId::at(static_cast<uint32_t>(p.x), stat
 // the lower one, or the one on the left, or the only one. Each node is then tested once.
 class Descent {
  public:
-  Descent(const TerrainDomain& domain, std::span<const NodeRecord> nodes, const Metric& metric, RefineScratch& scratch,
+  Descent(const TerrainDomain& domain, const StoredNodes& nodes, const Metric& metric, RefineScratch& scratch,
           const HiddenBlocks* hidden)
       : domain_(domain),
         grid_(domain.grid),
-        nodes_(nodes.data()),
+        nodes_(nodes),
         metric_(metric),
         scratch_(scratch),
         hidden_(hidden),
@@ -131,7 +131,7 @@ class Descent {
 
   const TerrainDomain& domain_;
   const GridTopology& grid_;
-  const NodeRecord* nodes_;
+  StoredNodes nodes_;
   const Metric& metric_;
   RefineScratch& scratch_;
   const HiddenBlocks* hidden_;
@@ -159,7 +159,7 @@ void sortSlots(std::vector<Slot>& slots, std::vector<Slot>& other, Slot end) {
 
 }  // namespace
 
-bool refine(const TerrainDomain& domain, std::span<const NodeRecord> nodes, const View& view, size_t max_nodes,
+bool refine(const TerrainDomain& domain, const StoredNodes& nodes, const View& view, size_t max_nodes,
             RefineScratch& scratch, Section& section, const HiddenBlocks* hidden) {
   const Metric metric(view, domain.has_vertical_errors);
   const bool fits = Descent(domain, nodes, metric, scratch, hidden).run(max_nodes);
@@ -169,13 +169,13 @@ bool refine(const TerrainDomain& domain, std::span<const NodeRecord> nodes, cons
   return true;
 }
 
-SampledSize estimateSize(const TerrainDomain& domain, std::span<const NodeRecord> nodes, const View& view,
-                         const View& inner, RefineScratch& scratch, const HiddenBlocks* hidden) {
+SampledSize estimateSize(const TerrainDomain& domain, const StoredNodes& nodes, const View& view, const View& inner,
+                         RefineScratch& scratch, const HiddenBlocks* hidden) {
   const Metric metric = domain.metric(view);
   return Descent(domain, nodes, metric, scratch, hidden).estimate(domain.metric(inner));
 }
 
-size_t countNeeded(const TerrainDomain& domain, std::span<const NodeRecord> nodes, const View& view,
+size_t countNeeded(const TerrainDomain& domain, const StoredNodes& nodes, const View& view,
                    std::span<const Slot> slots) {
   const Metric metric = domain.metric(view);
   TerrainBatch batch;

@@ -10,6 +10,7 @@
 #include "proto/refine/hidden/hidden_blocks.h"
 #include "proto/refine/metric/metric.h"
 #include "proto/refine/metric/terrain_domain.h"
+#include "proto/section/node_tables.h"
 #include "proto/section/section.h"
 
 namespace foreland::proto {
@@ -25,10 +26,9 @@ struct RefineScratch {
 };
 
 // Fills `section` (ascending slots). False, with `section` unspecified, if it would hold more than `max_nodes`.
-// `nodes` is indexed by slot. Nodes that are known to be hidden are left out, if `hidden` is given.
-[[nodiscard]] bool refine(const TerrainDomain& domain, std::span<const NodeRecord> nodes, const View& view,
-                          size_t max_nodes, RefineScratch& scratch, Section& section,
-                          const HiddenBlocks* hidden = nullptr);
+// Nodes that are known to be hidden are left out, if `hidden` is given.
+[[nodiscard]] bool refine(const TerrainDomain& domain, const StoredNodes& nodes, const View& view, size_t max_nodes,
+                          RefineScratch& scratch, Section& section, const HiddenBlocks* hidden = nullptr);
 
 // The size of a section, as a sample says; lab/README.md has its errors.
 struct SampledSize {
@@ -38,10 +38,10 @@ struct SampledSize {
 };
 // About how many nodes refine() finds for `view`, and for `inner`, which needs no others. It follows one of two of a
 // level's nodes where the level has many, so that it finds at most some ten thousand of any section's.
-[[nodiscard]] SampledSize estimateSize(const TerrainDomain& domain, std::span<const NodeRecord> nodes, const View& view,
+[[nodiscard]] SampledSize estimateSize(const TerrainDomain& domain, const StoredNodes& nodes, const View& view,
                                        const View& inner, RefineScratch& scratch, const HiddenBlocks* hidden = nullptr);
 // How many of some nodes a section for `view` has, hidden ones included.
-[[nodiscard]] size_t countNeeded(const TerrainDomain& domain, std::span<const NodeRecord> nodes, const View& view,
+[[nodiscard]] size_t countNeeded(const TerrainDomain& domain, const StoredNodes& nodes, const View& view,
                                  std::span<const Slot> slots);
 
 // Triangles of a section's mesh before clipping: 4 per root, one more per border node, two more per other node.

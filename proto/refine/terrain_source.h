@@ -11,6 +11,7 @@
 #include "proto/refine/hidden/hidden_blocks.h"
 #include "proto/refine/terrain_batch.h"
 #include "proto/section/bounds.h"
+#include "proto/section/node_tables.h"
 
 namespace foreland::proto {
 
@@ -63,7 +64,7 @@ class TerrainSource {
 // A scene's records, without a wire.
 class InMemoryNodes final : public TerrainSource {
  public:
-  explicit InMemoryNodes(std::span<const NodeRecord> nodes) : nodes_(nodes.data()) {}
+  explicit InMemoryNodes(const StoredNodes& nodes) : nodes_(nodes) {}
   QuantisedRadius radius(Slot first) override { return nodes_[first].radius(); }
   void load(TerrainBatch& batch) override {
     for (size_t i = 0; i < batch.count; ++i) batch.setRecord(i, nodes_[batch.slot[i]]);
@@ -75,7 +76,7 @@ class InMemoryNodes final : public TerrainSource {
   }
 
  private:
-  const NodeRecord* nodes_;
+  StoredNodes nodes_;
 };
 
 }  // namespace foreland::proto

@@ -3,11 +3,13 @@
 #pragma once
 
 #include <algorithm>
+#include <concepts>
 #include <span>
 #include <vector>
 
 #include "proto/section/bounds.h"
 #include "proto/section/index_table.h"
+#include "proto/section/page_directory.h"
 
 namespace foreland::proto {
 
@@ -32,13 +34,44 @@ struct VertexHeight {
   int32_t displacement() const { return record ? record->displacement() : 0; }
 };
 
+// The records of a scene's nodes, by slot, whatever pages are there. A node whose page is not there reads as zeros: its
+// error is 0, so it passes no test. A view; immutable; any thread.
+class StoredNodes {
+ public:
+  StoredNodes() = default;
+  // All pages are there.
+  template <class Records>
+  requires std::convertible_to<const Records&, std::span<const NodeRecord>> StoredNodes(const Records& records)
+      : records_(std::span<const NodeRecord>(records).data()), whole_(std::span<const NodeRecord>(records).size()) {}
+  // Those of a directory are, which must outlive it.
+  StoredNodes(std::span<const NodeRecord> records, const PageDirectory& directory)
+      : records_(records.data()), whole_(directory.wholeSlots()), directory_(&directory) {
+    CHECK_EQ(records.size(), directory.pageCount() * kPageSlots);
+  }
+
+  const NodeRecord& operator[](Slot slot) const { return slot < whole_ ? records_[slot] : inDirectory(slot); }
+  bool hasPage(Slot slot) const { return slot < whole_ || (directory_ && directory_->hasPage(slot)); }
+
+ private:
+  const NodeRecord& inDirectory(Slot slot) const {
+    static constexpr NodeRecord kNone{};
+    const uint64_t place = directory_ ? directory_->placeOf(slot) : PageDirectory::kNowhere;
+    return place == PageDirectory::kNowhere ? kNone : records_[place];
+  }
+
+  const NodeRecord* records_ = nullptr;
+  Slot whole_ = 0;  // below it the place of a record is its slot
+  const PageDirectory* directory_ = nullptr;
+};
+
 // Every node of a scene, by slot. A view; immutable; any thread.
 class DenseNodes {
  public:
-  DenseNodes(const GridTopology& grid, BaseHeights base, std::span<const NodeRecord> nodes)
-      : grid_(&grid), base_(base), nodes_(nodes.data()) {}
+  DenseNodes(const GridTopology& grid, BaseHeights base, StoredNodes nodes)
+      : grid_(&grid), base_(base), nodes_(nodes) {}
 
   const NodeRecord& at(Slot slot) const { return nodes_[slot]; }
+  bool hasPage(Slot slot) const { return nodes_.hasPage(slot); }
   VertexHeight find(NodeId v) const {
     const int level = grid_->level(v);
     return level == 0 ? VertexHeight{nullptr, base_.at(*grid_, v)} : VertexHeight{&at(grid_->slot(v, level)), 0};
@@ -48,7 +81,7 @@ class DenseNodes {
  private:
   const GridTopology* grid_;
   BaseHeights base_;
-  const NodeRecord* nodes_;
+  StoredNodes nodes_;
 };
 
 // Some nodes of a scene, in blocks of slots that follow one another, so neighbours share a block and the table that

@@ -68,7 +68,7 @@ class Hierarchy {
   uint32_t maxOffset() const { return max_offset_; }
   const proto::GridTopology& grid() const { return domain_.grid; }
   const proto::FrameGrid& frame() const { return domain_.frame; }
-  std::span<const proto::NodeRecord> nodes() const { return scene_->nodes(); }
+  proto::StoredNodes nodes() const { return scene_->nodes(); }
   proto::DenseNodes table() const {
     return {grid(), {scene_->cornerHeights(), scene_->centreHeights()}, scene_->nodes()};
   }

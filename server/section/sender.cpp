@@ -16,10 +16,10 @@ bool isSimilar(const proto::View& a, const proto::View& b) {
          glm::dot(a.pose.forward(), b.pose.forward()) > 0.9;
 }
 
-// Whether the known nodes of a page have the errors that the page says they were found to have at least; sets its
-// radius.
-bool isPossible(proto::KnownPage& page, std::span<const proto::NodeRecord> nodes) {
-  bool is_possible = true;
+// Whether a page is there and its known nodes have the errors that the page says they were found to have at least; sets
+// its radius.
+bool isPossible(proto::KnownPage& page, const proto::StoredNodes& nodes) {
+  bool is_possible = nodes.hasPage(page.first);
   page.knowledge.known.forEach([&](uint8_t low) {
     const proto::NodeRecord& record = nodes[page.first | low];
     is_possible = is_possible && record.error() >= page.knowledge.finest;
