@@ -137,7 +137,23 @@ class LevelCoder {
   size_t before_ = 0;  // the last two decisions
 };
 
+// An encoder passes whether the page is there, a decoder gets it. Where one page is there, its neighbours mostly are.
+template <class Coder>
+bool codeHasPage(Coder& coder, DeltaModel& model, size_t& before, bool has_page) {
+  const bool got = coder.code(model.has_page[before], has_page);
+  before = (2 * before + (got ? 1 : 0)) & 7;
+  return got;
+}
+
 }  // namespace
+
+bool DeltaEncoder::hasPage(Slot first) {
+  const double before = coder_.bits();
+  const bool has_page = codeHasPage(coder_, model_, pages_before_, nodes_.hasPage(first));
+  bits_.pages += coder_.bits() - before;
+  ++bits_.pages_asked;
+  return has_page;
+}
 
 QuantisedRadius DeltaEncoder::radius(Slot first) {
   const double before = coder_.bits();
@@ -188,6 +204,8 @@ bool DeltaEncoder::isHidden(const HiddenBlocks& blocks, const BlockId& block) {
   ++bits_.blocks_asked;
   return is_hidden;
 }
+
+bool DeltaDecoder::hasPage(Slot) { return codeHasPage(coder_, model_, pages_before_, false); }
 
 QuantisedRadius DeltaDecoder::radius(Slot) {
   const uint32_t value = Symbols(coder_, model_.escape).treeOrByte<3>(model_.radius[0], 0);

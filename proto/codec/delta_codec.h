@@ -1,10 +1,11 @@
 // The delta codec writes cut deltas as bytes and reads them. Both ends run the same adaptation (refine/adapter.h) for
 // the keyframe's view, so nothing is sent that follows from the view and from the bounds that both ends know. A delta
-// holds four kinds of numbers, each where the adapter pulls it from its source:
+// holds five kinds of numbers, each where the adapter pulls it from its source:
 //   blocks     say which blocks of the terrain are hidden (block_coder.h), on connections whose welcome says so
 //   decisions  are answers to predicates: is a node's error at least the least that the view shows?
 //   heights    are those of the nodes that are added to the section, exact
-//   radii      are one for each page that was empty so far
+//   pages      say of each page of a sparse level that was empty so far whether it is there
+//   radii      are one for each page that was empty so far, and is there
 // The changes of each object of the scene follow (surface_codec.h). An adaptive range coder codes every number, and
 // takes what both ends know around the node as context. docs/decisions/0006 has the measurements.
 //
@@ -44,6 +45,7 @@ struct DeltaModel {
   std::array<AdaptiveBit, 2 * 4 * 8> leaf;
   std::array<NumberModel, kScales * kRatios * 2> height;
   std::array<std::array<AdaptiveBit, 8>, 2> radius;
+  std::array<AdaptiveBit, 8> has_page;  // by the last three answers of the delta
   EscapeModel escape;
   BlockModel blocks;
   bool signals_blocks = false;  // Deltas of the connection say which blocks are hidden (Welcome::occlusion).
@@ -81,8 +83,8 @@ class CachedContexts {
 
 // DeltaBits says how many bits each kind of number took, and how many nodes and blocks these were about.
 struct DeltaBits {
-  double decisions = 0, heights = 0, radii = 0, blocks = 0;
-  uint64_t asked = 0, added = 0, blocks_asked = 0, blocks_changed = 0;
+  double decisions = 0, heights = 0, radii = 0, blocks = 0, pages = 0;
+  uint64_t asked = 0, added = 0, blocks_asked = 0, blocks_changed = 0, pages_asked = 0;
 };
 
 // The server's end appends a delta to `out` as an adapter steps.
@@ -93,6 +95,7 @@ class DeltaEncoder final : public TerrainSource {
   DeltaEncoder(const TerrainDomain& domain, const DenseNodes& nodes, DeltaModel& model, Bytes& out,
                BlockVisibility* visibility = nullptr)
       : domain_(domain), nodes_(nodes), model_(model), coder_(out), visibility_(visibility) {}
+  bool hasPage(Slot first) override;
   QuantisedRadius radius(Slot first) override;
   void load(TerrainBatch& batch) override;
   bool decide(int level, std::span<const Predicate> predicates, std::span<uint8_t> decisions) override;
@@ -114,6 +117,7 @@ class DeltaEncoder final : public TerrainSource {
   RangeEncoder coder_;
   BlockVisibility* visibility_;
   CachedContexts cached_contexts_;
+  size_t pages_before_ = 0;  // the last three answers of hasPage()
   DeltaBits bits_;
 };
 
@@ -123,6 +127,7 @@ class DeltaDecoder final : public TerrainSource {
  public:
   DeltaDecoder(const TerrainDomain& domain, SparseNodes& nodes, DeltaModel& model, ByteSpan bytes)
       : domain_(domain), nodes_(nodes), model_(model), coder_(bytes) {}
+  bool hasPage(Slot first) override;
   QuantisedRadius radius(Slot first) override;
   void onAddable(int level, std::span<const Slot> slots) override;
   void load(TerrainBatch& batch) override;
@@ -141,6 +146,7 @@ class DeltaDecoder final : public TerrainSource {
   DeltaModel& model_;
   RangeDecoder coder_;
   CachedContexts cached_contexts_;
+  size_t pages_before_ = 0;  // as the encoder has it
   bool absurd_ = false;
 };
 

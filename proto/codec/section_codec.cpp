@@ -68,10 +68,14 @@ class Candidates {
   uint32_t last_ = IndexTable::kNone;
 };
 
+int wholeLevels(const GridTopology& grid) { return grid.wholeLevels(); }
+int wholeLevels(const MeshTopology& mesh) { return mesh.maxLevel(); }
+
 // Visits the candidates of each level, ascending; `decide(slot, context)` says which are in the section: 1, 0, or less
-// to stop. False if it stopped.
-template <class Topology, class Decide>
-bool descend(const Topology& topology, Section& section, const Decide& decide) {
+// to stop. On sparse levels `decidePage(first slot, candidates)` says first whether any of a page's may be. False if it
+// stopped.
+template <class Topology, class DecidePage, class Decide>
+bool descend(const Topology& topology, Section& section, const DecidePage& decidePage, const Decide& decide) {
   Candidates candidates, next;
   for (Slot slot = topology.levelOffset(1); slot < topology.levelOffset(2); ++slot)
     if (!topology.isBase(topology.node(slot))) candidates.add(slot);
@@ -80,6 +84,11 @@ bool descend(const Topology& topology, Section& section, const Decide& decide) {
     const size_t first = section.slots.size();
     bool goes_on = true;
     for (const Candidates::Page& page : candidates.sorted()) {
+      if (level > wholeLevels(topology) && page.candidates.any()) {
+        const int any = decidePage(page.key * kPageSlots, page.candidates);
+        if (any < 0) return false;
+        if (any == 0) continue;
+      }
       page.candidates.forEach([&](uint8_t low) {
         if (!goes_on) return;
         const Slot slot = page.key * kPageSlots + low;
@@ -104,15 +113,21 @@ bool descend(const Topology& topology, Section& section, const Decide& decide) {
 Slot firstOf(Slot slot) { return slot; }
 Slot firstOf(const KnownPage& page) { return page.first; }
 
-// Looks for slots or pages, by their first slots, among others; both ascending.
+// Looks for slots or pages, by their first slots, among others; both ascending. Or for the first that is not before
+// one.
 template <class Item>
 class Cursor {
  public:
   explicit Cursor(std::span<const Item> items) : items_(items) {}
   // Null if it is not among them.
   const Item* find(Slot first) {
+    const Item* item = notBefore(first);
+    return item && firstOf(*item) == first ? item : nullptr;
+  }
+  // Null if there is none.
+  const Item* notBefore(Slot first) {
     while (at_ < items_.size() && firstOf(items_[at_]) < first) ++at_;
-    return at_ < items_.size() && firstOf(items_[at_]) == first ? &items_[at_] : nullptr;
+    return at_ < items_.size() ? &items_[at_] : nullptr;
   }
 
  private:
@@ -122,24 +137,57 @@ class Cursor {
 
 // Of the terrain, and of all objects.
 constexpr int kMaxLevels = std::max(GridTopology::kMaxLevels, MeshTopology::kMaxLevels);
-using Model = std::array<AdaptiveBit, 8 * (kMaxLevels + 1)>;
+struct Model {
+  std::array<AdaptiveBit, 8 * (kMaxLevels + 1)> nodes;
+  std::array<AdaptiveBit, 8> pages;  // by the last three
+};
 
-// Writes a closed set of nodes: those for which isIn(slot) is true and whose parents are in it; it is asked in
-// ascending order. Returns it. Of nodes that are `sure` to be in it nothing is written.
-template <class Topology, class IsIn>
-Section encode(const Topology& topology, const IsIn& isIn, const Section& sure, Model& model, RangeEncoder& coder) {
+// Whether the next page of a sparse level has any nodes of a set, one bit each but for those that have nodes which are
+// `sure` to be in the set.
+template <class Coder>
+class PageCoder {
+ public:
+  PageCoder(Coder& coder, Model& model, const Section& sure) : coder_(coder), model_(model), sure_(sure.slots) {}
+  bool code(Slot first, bool has_any) {
+    if (const Slot* sure = sure_.notBefore(first); sure && *sure < first + kPageSlots) return true;
+    const bool got = coder_.code(model_.pages[before_], has_any);
+    before_ = (2 * before_ + (got ? 1 : 0)) & 7;
+    return got;
+  }
+
+ private:
+  Coder& coder_;
+  Model& model_;
+  Cursor<Slot> sure_;
+  size_t before_ = 0;
+};
+
+// Writes a closed set of nodes: those for which isIn(slot) is true and whose parents are in it; hasAny(first slot,
+// candidates) says whether any of a page's candidates is. Both are asked in ascending order. Returns the set. Of nodes
+// that are `sure` to be in it nothing is written.
+template <class Topology, class HasAny, class IsIn>
+Section encode(const Topology& topology, const HasAny& hasAny, const IsIn& isIn, const Section& sure, Model& model,
+               RangeEncoder& coder) {
   Section written;
   Cursor<Slot> sure_of(sure.slots);
-  descend(topology, written, [&](Slot slot, size_t context) {
-    return sure_of.find(slot) || coder.code(model[context], isIn(slot)) ? 1 : 0;
-  });
+  PageCoder<RangeEncoder> pages(coder, model, sure);
+  descend(
+      topology, written,
+      [&](Slot first, const SlotBits& candidates) { return pages.code(first, hasAny(first, candidates)) ? 1 : 0; },
+      [&](Slot slot, size_t context) {
+        return sure_of.find(slot) || coder.code(model.nodes[context], isIn(slot)) ? 1 : 0;
+      });
   return written;
 }
 template <class Topology>
 void encode(const Topology& topology, const Section& section, Model& model, RangeEncoder& coder) {
-  Cursor<Slot> nodes(section.slots);
+  Cursor<Slot> nodes(section.slots), pages(section.slots);
+  const auto hasAny = [&](Slot first, const SlotBits&) {
+    const Slot* next = pages.notBefore(first);
+    return next && *next < first + kPageSlots;
+  };
   encode(
-      topology, [&](Slot slot) { return nodes.find(slot) != nullptr; }, {}, model, coder);
+      topology, hasAny, [&](Slot slot) { return nodes.find(slot) != nullptr; }, {}, model, coder);
 }
 
 // Reads one; takes its nodes, but for those that are sure, off `room`. False if there is not enough, or the bytes end.
@@ -147,13 +195,19 @@ template <class Topology>
 bool decode(const Topology& topology, Section& section, const Section& sure, size_t& room, Model& model,
             RangeDecoder& coder) {
   Cursor<Slot> sure_of(sure.slots);
-  return descend(topology, section, [&](Slot slot, size_t context) {
-    if (sure_of.find(slot)) return 1;
-    if (coder.overrun()) return -1;
-    const bool is_in = coder.code(model[context]);
-    if (is_in && room-- == 0) return -1;
-    return is_in ? 1 : 0;
-  });
+  PageCoder<RangeDecoder> pages(coder, model, sure);
+  return descend(
+      topology, section,
+      [&](Slot first, const SlotBits&) { return coder.overrun()            ? -1
+                                                : pages.code(first, false) ? 1
+                                                                           : 0; },
+      [&](Slot slot, size_t context) {
+        if (sure_of.find(slot)) return 1;
+        if (coder.overrun()) return -1;
+        const bool is_in = coder.code(model.nodes[context]);
+        if (is_in && room-- == 0) return -1;
+        return is_in ? 1 : 0;
+      });
 }
 
 // The pages of nodes that are known; no node was asked about.
@@ -200,12 +254,16 @@ std::vector<KnownPage> encodeSections(const GridTopology& grid, const ObjectSet&
   encode(grid, sections.terrain, of_terrain, coder);
   for (size_t i = 0; i < objects.size(); ++i)
     encode(objects.domain(i).topology(), sections.objects[i], of_objects, coder);
-  Cursor<KnownPage> known(sections.known), given_of(sections.known);
+  Cursor<KnownPage> known(sections.known), known_pages(sections.known), given_of(sections.known);
   const auto isKnown = [&](Slot slot) {
     const KnownPage* page = known.find(slot / kPageSlots * kPageSlots);
     return page && page->knowledge.known.has(lowOf(slot));
   };
-  std::vector<KnownPage> pages = pagesOf(encode(grid, isKnown, sections.terrain, of_known, coder));
+  const auto hasKnown = [&](Slot first, const SlotBits& candidates) {
+    const KnownPage* page = known_pages.find(first);
+    return page && (page->knowledge.known & candidates).any();
+  };
+  std::vector<KnownPage> pages = pagesOf(encode(grid, hasKnown, isKnown, sections.terrain, of_known, coder));
   for (KnownPage& page : pages)
     if (const KnownPage* given = given_of.find(page.first)) page.knowledge.finest = given->knowledge.finest;
   codeFinest(pages, coder);

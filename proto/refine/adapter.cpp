@@ -15,6 +15,10 @@ namespace {
 
 bool arePageMates(Slot a, Slot b) { return a / kPageSlots == b / kPageSlots; }
 
+// Whether the slot's page need not be there.
+bool mayLack(const GridTopology& grid, Slot slot) { return slot >= grid.levelOffset(grid.wholeLevels() + 1); }
+bool mayLack(const MeshTopology&, Slot) { return false; }
+
 }  // namespace
 
 // Unbounded if the views cannot be compared.
@@ -250,7 +254,7 @@ class Adapter<Tester>::Step {
     return true;
   }
 
-  // Makes the pages of the undecided nodes of a level that have none.
+  // Makes the pages of the undecided nodes of a level that have none, and forgets the nodes whose pages are not there.
   void makePages(int level) {
     std::vector<Slot>&initial = scratch_.initial, &pending = scratch_.pending;
     for (; !initial.empty() && initial.back() < begin(level + 1); initial.pop_back()) pending.push_back(initial.back());
@@ -265,10 +269,12 @@ class Adapter<Tester>::Step {
     foreland::sort(pages.begin(), pages.end());
     pages.erase(std::unique(pages.begin(), pages.end(), arePageMates), pages.end());
     for (Slot slot : pages)
-      if (nodes_.find(slot) == Frontier::Nodes::kNone)
+      if (nodes_.find(slot) == Frontier::Nodes::kNone && Tester::hasPage(*a_.domain_, source_, a_.memory_, level, slot))
         frontier_.makePage(slot, Tester::knowledgeOf(source_, a_.memory_, slot));
     growScratch();
-    for (Slot slot : pending) scratch_.markUndecided(nodes_.find(slot), lowOf(slot));
+    for (Slot slot : pending)
+      if (const uint32_t page = nodes_.find(slot); page != Frontier::Nodes::kNone)
+        scratch_.markUndecided(page, lowOf(slot));
     frontier_.orderPages();
     pending.clear();
   }
@@ -388,6 +394,7 @@ void Adapter<Tester>::validate() const {
     const bool rooted = std::all_of(parents.begin(), parents.end(), in_section),
                leaf = std::none_of(children.begin(), children.end(), in_section);
     if (in_section(n)) CHECK_TRUE(rooted);
+    if (mayLack(topology, slot) && frontier_.nodes().find(slot) == Frontier::Nodes::kNone) continue;
     CHECK_EQ(in_section(n) ? leaf : rooted, frontier_.nodes().isOnFrontier(slot));
     on_frontier += frontier_.nodes().isOnFrontier(slot);
   }

@@ -33,6 +33,7 @@ class SurfaceTester {
   SurfaceTester(const Domain& domain, const View& view, const MotionBound&, Source& records, Memory&, DecisionScratch&)
       : metric_(domain.metric(view)), quantum_m_(domain.quantum_m), records_(records.data()) {}
 
+  static bool hasPage(const Domain&, Source&, const Memory&, int, Slot) { return true; }
   // Spheres are in the records, so nothing is said of pages.
   static PageKnowledge knowledgeOf(Source&, Memory&, Slot) { return {}; }
 

@@ -39,6 +39,9 @@ struct Predicate {
 class TerrainSource {
  public:
   virtual ~TerrainSource() = default;
+  // Whether a page of a sparse level is there that was empty so far; `first` is the first of its nodes to be tested. If
+  // it is not, these nodes do not come to the frontier. Asked each time before the radius.
+  virtual bool hasPage(Slot /*first*/) { return true; }
   // The radius of all nodes of a page that was empty so far; `first` is the first of them to be tested.
   virtual QuantisedRadius radius(Slot first) = 0;
   // Tells of nodes of a level that have come to the frontier and are not known, ascending; before anything else is
@@ -65,6 +68,7 @@ class TerrainSource {
 class InMemoryNodes final : public TerrainSource {
  public:
   explicit InMemoryNodes(const StoredNodes& nodes) : nodes_(nodes) {}
+  bool hasPage(Slot first) override { return nodes_.hasPage(first); }
   QuantisedRadius radius(Slot first) override { return nodes_[first].radius(); }
   void load(TerrainBatch& batch) override {
     for (size_t i = 0; i < batch.count; ++i) batch.setRecord(i, nodes_[batch.slot[i]]);

@@ -67,6 +67,10 @@ class TerrainTester {
   // called last in a step.
   void endStep(Frontier& frontier, uint32_t steps);
 
+  // Whether a page that nodes of a level would bring to the frontier is there.
+  static bool hasPage(const Domain& domain, Source& source, const Memory& memory, int level, Slot first) {
+    return level <= domain.grid.wholeLevels() || memory.pages.radius(first) || source.hasPage(first);
+  }
   // The knowledge of a page that comes to the frontier with the slot `first`: what is remembered of the page, or else
   // its radius alone.
   static PageKnowledge knowledgeOf(Source& source, Memory& memory, Slot first) {

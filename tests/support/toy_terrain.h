@@ -1,4 +1,5 @@
-// A small random terrain without a file: heights, saturated errors, nested spheres.
+// A small random terrain without a file: heights, saturated errors, nested spheres. If its shape has sparse levels, few
+// of their pages are there.
 #pragma once
 
 #include <algorithm>
@@ -22,10 +23,11 @@ class ToyTerrain {
     for (auto* base : {&corners_, &centres_})
       for (int32_t& height : *base) height = static_cast<int32_t>(rng.below(2000));
     const proto::GridTopology& grid = domain_.grid;
+    keepPages(rng);
     std::vector<double> errors(nodes_.size());
     for (proto::Slot slot = 0; slot < nodes_.size(); ++slot) {
       const proto::NodeId n = grid.node(slot);
-      if (grid.isBase(n)) continue;
+      if (grid.isBase(n) || !directory_.hasPage(slot)) continue;
       const auto [a, b] = grid.endpoints(n);
       const uint64_t rough = 1 + (600u << grid.scaleLog2(n) >> grid.shape().root_log2);
       const int32_t middle = proto::middleOf(heightOf(a), heightOf(b)),
@@ -35,19 +37,25 @@ class ToyTerrain {
     }
     for (proto::Slot slot = static_cast<proto::Slot>(nodes_.size()); slot-- > 0;) {
       const proto::NodeId n = grid.node(slot);
-      if (grid.isBase(n)) continue;
+      if (grid.isBase(n) || !directory_.hasPage(slot)) continue;
       for (proto::NodeId child : grid.children(n)) errors[slot] = std::max(errors[slot], errors[grid.slot(child)]);
       const proto::NodeRecord& r = nodes_[slot];
       nodes_[slot] =
           proto::NodeRecord::of(r.height(), r.displacement(), proto::QuantisedError::roundUp(errors[slot]), {kRadius});
     }
+    for (proto::Slot slot = 0; slot < nodes_.size(); ++slot)
+      if (directory_.hasPage(slot)) stored_[directory_.placeOf(slot)] = nodes_[slot];
   }
+  ToyTerrain(const ToyTerrain&) = delete;  // for the views below
+  ToyTerrain& operator=(const ToyTerrain&) = delete;
 
   const proto::TerrainDomain& domain() const { return domain_; }
   const proto::GridTopology& grid() const { return domain_.grid; }
+  // By slot, zeros where no page is; and the same as it is stored.
   const std::vector<proto::NodeRecord>& nodes() const { return nodes_; }
+  proto::StoredNodes stored() const { return {stored_, directory_}; }
   proto::BaseHeights base() const { return {corners_, centres_}; }
-  proto::DenseNodes table() const { return {grid(), base(), nodes_}; }
+  proto::DenseNodes table() const { return {grid(), base(), stored()}; }
 
   proto::Section refine(const proto::View& view) const {
     proto::RefineScratch scratch;
@@ -80,12 +88,23 @@ class ToyTerrain {
     f.axis_y_m = {0, 10};
     return f;
   }
+  // Those of the whole levels, and those that a few nodes need.
+  void keepPages(Rng& rng) {
+    std::vector<proto::Slot> kept;
+    if (grid().wholeLevels() < grid().maxLevel())
+      for (int i = 0; i < 3; ++i) kept.push_back(rng.below(grid().slotCount()));
+    blocks_ = proto::blocksOf(grid(), kept);
+    directory_ = std::move(proto::PageDirectory::create(grid(), blocks_)).value();
+    stored_.resize(directory_.pageCount() * proto::kPageSlots);
+  }
   int32_t heightOf(proto::NodeId v) const {
     return domain_.grid.isBase(v) ? base().at(domain_.grid, v) : nodes_[domain_.grid.slot(v)].height();
   }
 
   proto::TerrainDomain domain_;
-  std::vector<proto::NodeRecord> nodes_;
+  std::vector<proto::NodeRecord> nodes_, stored_;
+  std::vector<proto::PageBlock> blocks_;
+  proto::PageDirectory directory_{domain_.grid};
   std::vector<int32_t> corners_, centres_;
 };
 

@@ -54,7 +54,8 @@ void expectSame(const test::ToyTerrain& terrain, const Client& client, const Vie
 TEST(DeltaCodec, BothEndsEndWhereRefinementFromScratchDoes) {
   const uint64_t seed = testing::UnitTest::GetInstance()->random_seed();
   Rng rng(seed);
-  for (const GridShape& shape : {GridShape{3, 2, 4, 45, 30}, GridShape{1, 1, 6, 65, 65}, GridShape{5, 5, 1, 11, 10}}) {
+  for (const GridShape& shape : {GridShape{3, 2, 4, 45, 30}, GridShape{1, 1, 6, 65, 65}, GridShape{5, 5, 1, 11, 10},
+                                 GridShape{1, 1, 7, 129, 129, 7}, GridShape{2, 1, 6, 100, 60, 10}}) {
     const test::ToyTerrain terrain(shape, rng.next());
     Server server(terrain);
     Client client(terrain);
@@ -75,8 +76,9 @@ TEST(DeltaCodec, BothEndsEndWhereRefinementFromScratchDoes) {
 TEST(DeltaCodec, ResumesFromASection) {
   const uint64_t seed = testing::UnitTest::GetInstance()->random_seed();
   Rng rng(seed);
-  const test::ToyTerrain terrain({2, 2, 5, 65, 60}, rng.next());
+  const test::ToyTerrain whole({2, 2, 5, 65, 60}, rng.next()), sparse({1, 1, 7, 129, 129, 8}, rng.next());
   for (int round = 0; round < 30; ++round) {
+    const test::ToyTerrain& terrain = round % 2 == 0 ? whole : sparse;
     Server first(terrain);
     Client client(terrain);
     View view = terrain.wander(rng, {});
@@ -84,7 +86,7 @@ TEST(DeltaCodec, ResumesFromASection) {
     const Section section = client.adapter.section();
 
     Server second(terrain);
-    InMemoryNodes source(terrain.nodes());
+    InMemoryNodes source(terrain.stored());
     second.adapter = TerrainAdapter(terrain.domain(), section.slots, source);
     client.adapter = TerrainAdapter(terrain.domain(), section.slots, source);
     client.model = {};

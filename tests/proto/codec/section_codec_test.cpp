@@ -12,7 +12,12 @@
 namespace foreland::proto {
 namespace {
 
-GridTopology grid() { return std::move(GridTopology::create({2, 1, 5, 65, 33})).value(); }
+// All levels are whole, or some are sparse.
+class SectionCodec : public testing::TestWithParam<uint32_t> {
+ protected:
+  static GridTopology grid() { return std::move(GridTopology::create({2, 1, 5, 65, 33, GetParam()})).value(); }
+};
+INSTANTIATE_TEST_SUITE_P(Sparse, SectionCodec, testing::Values(0, 5, 8));
 
 bool hasParents(const GridTopology& topology, const std::set<Slot>& slots, NodeId n) {
   const auto parents = topology.parents(n);
@@ -41,7 +46,7 @@ std::vector<KnownPage> pagesOf(const std::set<Slot>& known, Rng& rng) {
   return pages;
 }
 
-TEST(SectionCodec, PresentsWhatIsKnownAsFarAsItsParentsAre) {
+TEST_P(SectionCodec, PresentsWhatIsKnownAsFarAsItsParentsAre) {
   const uint64_t seed = test::randomSeed();
   Rng rng(seed);
   const GridTopology topology = grid();
@@ -86,7 +91,7 @@ TEST(SectionCodec, PresentsWhatIsKnownAsFarAsItsParentsAre) {
   EXPECT_GT(presented, 0u);
 }
 
-TEST(SectionCodec, WithoutPagesTheSectionIsKnownAndNothingElse) {
+TEST_P(SectionCodec, WithoutPagesTheSectionIsKnownAndNothingElse) {
   const uint64_t seed = test::randomSeed();
   Rng rng(seed);
   const GridTopology topology = grid();
@@ -101,7 +106,7 @@ TEST(SectionCodec, WithoutPagesTheSectionIsKnownAndNothingElse) {
   EXPECT_EQ(known, section) << "seed " << seed;
 }
 
-TEST(SectionCodec, AnyBytesEndInClosedSetsOrAnError) {
+TEST_P(SectionCodec, AnyBytesEndInClosedSetsOrAnError) {
   const uint64_t seed = test::randomSeed();
   Rng rng(seed);
   const GridTopology topology = grid();
