@@ -6,9 +6,12 @@
 #include <gtest/gtest.h>
 
 #include <map>
+#include <optional>
+#include <tuple>
 
 #include "proto/codec/delta_codec.h"
 #include "tests/support/block_by_block.h"
+#include "tests/support/seed.h"
 #include "tests/support/toy_terrain.h"
 
 namespace foreland::proto {
@@ -77,6 +80,37 @@ TEST(HiddenBlocks, HideNodesOnlyWithAllOfTheirDescendants) {
   }
   EXPECT_GT(hidden, nodes / 20);
   EXPECT_LT(hidden, nodes / 2 + nodes / 3);
+}
+
+// In whatever order they came to be known, on a lattice of any size.
+TEST(HiddenBlocks, AreVisitedInOrder) {
+  const uint64_t seed = test::randomSeed();
+  Rng rng(seed);
+  const GridTopology grid = *GridTopology::create({7, 7, 15, 200'000, 200'000, 12});
+  HiddenBlocks blocks(grid);
+  using Tile = std::tuple<uint8_t, uint32_t, uint32_t>;  // scale, row and column of its lowest block
+  for (int round = 0; round < 2; ++round) {
+    std::map<Tile, int> expected, visited;
+    for (int i = 0; i < 2000; ++i) {
+      const auto scale = static_cast<uint8_t>(rng.below(15));
+      const uint64_t side = uint64_t{BlockId::kSide} << scale, most = rng.below(2) == 0 ? 64 : grid.maxX() / side;
+      const BlockId block{scale, static_cast<uint32_t>(rng.below(std::min(most, grid.maxX() / side))),
+                          static_cast<uint32_t>(rng.below(std::min(most, grid.maxX() / side)))};
+      if (blocks.state(block) != BlockState::kUnknown) continue;
+      blocks.set(block, false);
+      ++expected[{scale, block.y / 4 * 4, block.x / 4 * 4}];
+    }
+    std::optional<Tile> last;
+    blocks.forEachTile([&](const BlockId& lowest, const HiddenBlocks::Tile& tile) {
+      const Tile now{lowest.scale, lowest.y, lowest.x};
+      EXPECT_TRUE(!last || *last < now) << "seed " << seed;
+      last = now;
+      visited[now] = std::popcount(tile.known);
+    });
+    EXPECT_EQ(visited, expected) << "seed " << seed;
+    blocks.clear();
+    blocks.forEachTile([](const BlockId&, const HiddenBlocks::Tile&) { FAIL() << "nothing is known"; });
+  }
 }
 
 TEST(HiddenBlocks, AreCountedAndForgotten) {

@@ -3,10 +3,10 @@
 
 #include <gtest/gtest.h>
 
-#include <map>
 #include <set>
 #include <string>
 
+#include "base/rng.h"
 #include "proto/section/node_tables.h"
 #include "tests/support/seed.h"
 
