@@ -13,8 +13,8 @@ namespace foreland::proto {
 struct AdaptCandidate {
   NodeId node;
   Slot slot = 0;
-  uint32_t page = 0;   // its number
-  uint32_t entry = 0;  // its index in the pool of entries
+  uint32_t page = 0;  // its number
+  uint32_t rank = 0;  // among the page's entries
   bool is_in_section = false;
   bool is_new = false;      // to the frontier, in this step
   bool is_known = false;    // both ends know the node's height

@@ -97,32 +97,31 @@ class Adapter<Tester>::Step {
     int level = 1;
     const Sweep sweep(*a_.domain_, tester.metric(),
                       motion_.isUnbounded() ? HiddenEntries::kTest : HiddenEntries::kLeave);
-    frontier_.forEachPage(
-        [&](uint32_t number, const FrontierPage& page, const float* heights, const FrontierEntry* entries) {
-          while (page.first() >= begin(level + 1)) ++level;
-          const Sweep::Found found = sweep.test(level, page, heights, entries);
-          a_.swept_ += page.entries;
-          found.changed.forEach([&](uint8_t rank) { scratch_.markUndecided(number, entries[rank].low()); });
-          if (found.unsure.any()) pushStale(number, page, level, found.unsure);
-        });
+    frontier_.forEachSwept([&](uint32_t number, Slot first, const EntryBlock& block, const uint32_t* bits,
+                               const uint8_t* heights) {
+      while (first >= begin(level + 1)) ++level;
+      const Sweep::Found found = sweep.test(level, first, block, bits, heights);
+      a_.swept_ += block.count;
+      found.changed.forEach([&](uint8_t rank) { scratch_.markUndecided(number, static_cast<uint8_t>(bits[rank])); });
+      if (found.unsure.any()) pushStale(number, level, found.unsure);
+    });
     finishStale();
   }
   // By those whose slack is used up. Those that still hold get a new one.
   void testStale() {
     int level = 1;
     frontier_.consume(motion_, [&](uint32_t number, const SlotBits& ranks) {
-      const FrontierPage& page = nodes_.page(number);
-      while (page.first() >= begin(level + 1)) ++level;
-      pushStale(number, page, level, ranks);
+      while (nodes_.page(number).first() >= begin(level + 1)) ++level;
+      pushStale(number, level, ranks);
     });
     finishStale();
   }
-  void pushStale(uint32_t number, const FrontierPage& page, int level, const SlotBits& ranks) {
+  void pushStale(uint32_t number, int level, const SlotBits& ranks) {
+    const FrontierPage& page = nodes_.page(number);
     const auto nodes = topology_.pageNodes(level, page.first());
-    const uint32_t first = frontier_.firstEntry(number);
     ranks.forEach([&](uint8_t rank) {
-      const FrontierEntry entry = frontier_.entryAt(first + rank);
-      stale_[tester_.count()] = {number, first + rank, page.in_section.has(entry.low())};
+      const FrontierEntry entry = frontier_.entryAt(number, rank);
+      stale_[tester_.count()] = {number, rank, page.in_section.has(entry.low())};
       tester_.push(nodes.at(entry.low()), level, page, entry);
       if (tester_.full()) finishStale();
     });
@@ -133,7 +132,7 @@ class Adapter<Tester>::Step {
     // Without branches, for every other one is undecided. An undecided entry is replaced or removed in this step.
     for (size_t i = 0; i < tester_.count(); ++i) {
       const bool is_undecided = tester_.passes(i) != stale_[i].is_in_section;
-      frontier_.renew(stale_[i].index, tester_.entry(i, stale_[i].is_in_section), tester_.slack(i));
+      frontier_.renew(stale_[i].page, stale_[i].rank, tester_.entry(i, stale_[i].is_in_section));
       scratch_.undecided[stale_[i].page].add(lowOf(tester_.slot(i)), is_undecided);
       scratch_.has_undecided[stale_[i].page] |= static_cast<uint8_t>(is_undecided);
     }
@@ -169,7 +168,7 @@ class Adapter<Tester>::Step {
       scratch_.candidates.push_back({.node = nodes.at(low),
                                      .slot = page.first() | low,
                                      .page = number,
-                                     .entry = frontier_.firstEntry(number) + rank,
+                                     .rank = rank,
                                      .is_in_section = which == Which::kLeaves,
                                      .is_new = entering.has(low),
                                      .is_known = page.knowledge.known.has(low),
@@ -186,11 +185,12 @@ class Adapter<Tester>::Step {
   }
   bool resolve(int level, std::span<AdaptCandidate> part) {
     tester_.clear();
-    for (const AdaptCandidate& c : part) tester_.push(c.node, level, nodes_.page(c.page), frontier_.entryAt(c.entry));
+    for (const AdaptCandidate& c : part)
+      tester_.push(c.node, level, nodes_.page(c.page), frontier_.entryAt(c.page, c.rank));
     if (!tester_.decide(level, part, frontier_)) return false;
     a_.tests_ += part.size();
     for (size_t i = 0; i < part.size(); ++i)
-      frontier_.renew(part[i].entry, tester_.entry(i, part[i].is_in_section), tester_.slack(i));
+      frontier_.renew(part[i].page, part[i].rank, tester_.entry(i, part[i].is_in_section));
     tester_.clear();
     return true;
   }
@@ -274,7 +274,7 @@ class Adapter<Tester>::Step {
   }
 
   struct Stale {
-    uint32_t page, index;
+    uint32_t page, rank;
     bool is_in_section;
   };
 
@@ -295,7 +295,7 @@ class Adapter<Tester>::Step {
 // Leaves get entries without slack, so the first step tests them all; it finds the rest of the frontier, too.
 template <class Tester>
 Adapter<Tester>::Adapter(const Domain& domain, std::span<const Slot> section, Source& source)
-    : domain_(&domain), memory_(domain), nodes_in_section_(section.size()) {
+    : domain_(&domain), frontier_(Tester::entryKind(domain)), memory_(domain), nodes_in_section_(section.size()) {
   const auto& topology = domain.topology();
   const Frontier::Nodes& nodes = frontier_.nodes();
   for (Slot slot : section) {
@@ -309,8 +309,7 @@ Adapter<Tester>::Adapter(const Domain& domain, std::span<const Slot> section, So
   for (Slot slot : section) {
     bool is_leaf = true;
     for (NodeId child : topology.children(topology.node(slot))) is_leaf = is_leaf && !contains(topology.slot(child));
-    if (is_leaf)
-      frontier_.put(nodes.find(slot), Tester::unknownLeaf(domain, lowOf(slot)), Tester::unknownSlack(domain));
+    if (is_leaf) frontier_.put(nodes.find(slot), Tester::unknownLeaf(domain, lowOf(slot)));
   }
 }
 
@@ -328,7 +327,7 @@ void Adapter<Tester>::learn(std::span<const KnownPage> pages) {
 template <class Tester>
 void Adapter<Tester>::restart(Remembered remembered) {
   const std::vector<KnownPage> pages = livePages();
-  frontier_ = Frontier();
+  frontier_ = Frontier(Tester::entryKind(*domain_));
   memory_.restart(remembered);
   if (remembered == Remembered::kPages)
     for (const KnownPage& page : pages) memory_.keep(page.first, page.knowledge);

@@ -45,7 +45,7 @@ class SurfaceTester {
   }
 
   static FrontierEntry unknownLeaf(const Domain&, uint8_t low) { return FrontierEntry::newLeaf(low); }
-  static float unknownSlack(const Domain&) { return 0; }
+  static EntryKind entryKind(const Domain&) { return EntryKind::kSlack; }
 
   size_t count() const { return count_; }
   bool full() const { return count_ == kSize; }
@@ -63,8 +63,9 @@ class SurfaceTester {
   }
   Slot slot(size_t i) const { return slot_[i]; }
   bool passes(size_t i) const { return passes_[i] != 0; }
-  FrontierEntry entry(size_t i, bool) const { return FrontierEntry::of(lowOf(slot_[i]), {}, constraint_[i]); }
-  float slack(size_t i) const { return slack_[i]; }
+  FrontierEntry entry(size_t i, bool) const {
+    return FrontierEntry::of(lowOf(slot_[i]), {}, constraint_[i], slack_[i]);
+  }
   void tellAddable(int, std::span<const AdaptCandidate>) {}
 
  private:

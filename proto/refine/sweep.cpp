@@ -44,11 +44,6 @@ uint32_t signsOf(const int32_t* lanes) {
 
 }  // namespace
 
-float Sweep::heightOf(int32_t quanta) {
-  if (quanta < -kHighest || quanta > kHighest) return std::numeric_limits<float>::quiet_NaN();
-  return static_cast<float>(quanta);
-}
-
 Sweep::Sweep(const TerrainDomain& domain, const Metric& metric, HiddenEntries hidden, double tolerance)
     : domain_(domain), hidden_(hidden), region_radius_(metric.regionRadius()), tolerance_(tolerance) {
   const Frame& frame = domain.frame.transform().frame();
@@ -79,10 +74,10 @@ Sweep::Sweep(const TerrainDomain& domain, const Metric& metric, HiddenEntries hi
         .of_steep = f(tolerance * kMore * 0.25 * frustum.sinAngle())};
 }
 
-Sweep::Place Sweep::placeOf(int level, const FrontierPage& page) const {
+Sweep::Place Sweep::placeOf(int level, Slot first_slot, QuantisedRadius page_radius) const {
   const auto half =
       static_cast<double>(1u << (domain_.grid.shape().root_log2 - 1 - (static_cast<uint32_t>(level) >> 1)));
-  const NodeId first = domain_.grid.pageNodes(level, page.first()).at(0);  // of centres the middle of the first cell
+  const NodeId first = domain_.grid.pageNodes(level, first_slot).at(0);  // of centres the middle of the first cell
   const bool is_sides = (level & 1) != 0;
   const double right = kMiddle * half, up = (is_sides ? kMiddle / 2 : kMiddle) * half;  // from a corner to the middle
   const double x = first.x() - half + right, y = first.y() - (is_sides ? 0 : half) + up;
@@ -92,7 +87,7 @@ Sweep::Place Sweep::placeOf(int level, const FrontierPage& page) const {
     place.along_x[i] = static_cast<float>(row_[i][0] * half);
     place.along_y[i] = static_cast<float>(row_[i][1] * half);
   }
-  const double radius = domain_.radius(level, page.knowledge.radius) + region_radius_;
+  const double radius = domain_.radius(level, page_radius) + region_radius_;
   const double extent = 2 * (right * step_x_ + up * step_y_);
   place.radius = static_cast<float>(radius);
   place.tolerance =
@@ -100,33 +95,34 @@ Sweep::Place Sweep::placeOf(int level, const FrontierPage& page) const {
   return place;
 }
 
-Sweep::Found Sweep::test(int level, const FrontierPage& page, const float* heights,
-                         const FrontierEntry* entries) const {
-  const Place place = placeOf(level, page);
-  return (level & 1) != 0 ? testAll<true>(place, heights, entries, page.entries)
-                          : testAll<false>(place, heights, entries, page.entries);
+Sweep::Found Sweep::test(int level, Slot first, const EntryBlock& block, const uint32_t* bits,
+                         const uint8_t* heights) const {
+  const Place place = placeOf(level, first, block.radius);
+  return (level & 1) != 0 ? testAll<true>(place, bits, heights, block.count)
+                          : testAll<false>(place, bits, heights, block.count);
 }
 
 // The terms are the metric's, in its order. A loop over the lanes of a vector, which the compiler makes instructions
 // of.
 template <bool kSides>
-Sweep::Found Sweep::testAll(const Place& at, const float* heights, const FrontierEntry* entries, uint32_t count) const {
+Sweep::Found Sweep::testAll(const Place& at, const uint32_t* entries, const uint8_t* heights, uint32_t count) const {
   const auto k = k_;  // its own memory, so that the loop vectorises
   const Place place = at;
   Found found;
   for (uint32_t begin = 0; begin < count; begin += kLanes) {
-    alignas(32) int32_t passes[kLanes], fails[kLanes], is_in_section[kLanes], is_hidden[kLanes];
-    const float* const height = heights + begin;
-    const FrontierEntry* const entry = entries + begin;
+    alignas(32) int32_t passes[kLanes], fails[kLanes], is_in_section[kLanes], is_no_height[kLanes], is_odd[kLanes];
+    const uint32_t* const entry = entries + begin;
+    const uint8_t* const upper = heights + begin;
     for (uint32_t i = 0; i < kLanes; ++i) {
-      const auto bits = static_cast<int32_t>(entry[i].bits);
+      const auto bits = static_cast<int32_t>(entry[i]);
       const int32_t cell = kSides ? bits >> 1 & 127 : bits & 255, along_y = kSides ? bits & 1 : 1;
       const auto lattice_x = static_cast<float>(2 * (cell & 15) + (kSides ? 1 - along_y : 1) - kMiddle),
                  lattice_y = static_cast<float>(2 * (cell >> 4) + along_y - (kSides ? kMiddle / 2 : kMiddle));
       const auto row = [&](size_t r) {
         return place.origin[r] + place.along_x[r] * lattice_x + place.along_y[r] * lattice_y;
       };
-      const float h = height[i] - k.eye_height;
+      const int32_t height = FrontierEntry::heightOf(entry[i], upper[i]);
+      const float h = static_cast<float>(height) - k.eye_height;
       const float x = row(0) + k.up[0] * h, y = row(1) + k.up[1] * h, z = row(2) + k.up[2] * h;
       const float east = row(3), north = row(4), R = place.radius;
 
@@ -149,12 +145,14 @@ Sweep::Found Sweep::testAll(const Place& at, const float* heights, const Frontie
       passes[i] = -static_cast<int32_t>((any > of_any) & (vertical > of_vertical) & (inside > of_inside));
       fails[i] = -static_cast<int32_t>((any < -of_any) | (vertical < -of_vertical) | (inside < -of_inside));
       is_in_section[i] = bits << 15;
-      is_hidden[i] = bits << 14;
+      is_no_height[i] = height - FrontierEntry::kLeastHeight;
+      is_odd[i] = bits << 14;
     }
-    const uint32_t in = signsOf(is_in_section), pass = signsOf(passes), fail = signsOf(fails),
-                   hidden = signsOf(is_hidden);
-    const uint32_t changed = ((in & fail) | (~in & pass)) & ~hidden, same = (in & pass) | (~in & fail);
-    const uint32_t unsure = ~changed & (hidden_ == HiddenEntries::kLeave ? ~same & ~hidden : ~same | hidden) & 0xffu;
+    static_assert((FrontierEntry::kHidden & 1) == 1 && (FrontierEntry::kUnknown & 1) == 0);
+    const uint32_t none = signsOf(is_no_height), hidden = none & signsOf(is_odd);
+    const uint32_t in = signsOf(is_in_section), pass = signsOf(passes) & ~none, fail = signsOf(fails) & ~none;
+    const uint32_t changed = (in & fail) | (~in & pass), same = (in & pass) | (~in & fail);
+    const uint32_t unsure = ~(changed | same) & (hidden_ == HiddenEntries::kLeave ? ~hidden : ~0u) & 0xffu;
     found.changed.words[begin / 64] |= uint64_t{changed} << begin % 64;
     found.unsure.words[begin / 64] |= uint64_t{unsure} << begin % 64;
   }

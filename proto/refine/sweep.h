@@ -11,7 +11,8 @@
 #include <array>
 #include <cstdint>
 
-#include "proto/refine/frontier.h"
+#include "proto/refine/memory/entry_pool.h"
+#include "proto/refine/memory/slot_bits.h"
 #include "proto/refine/metric/metric.h"
 #include "proto/refine/metric/terrain_domain.h"
 
@@ -29,12 +30,9 @@ class Sweep {
   struct Found {
     SlotBits changed, unsure;
   };
-  // `heights` and `entries` are the page's, in whole vectors (EntryPool::kVector). O(entries).
-  Found test(int level, const FrontierPage& page, const float* heights, const FrontierEntry* entries) const;
-
-  // The height of a node's sphere as entries keep it. Not a number, which makes entries unsure, where it has no exact
-  // float within what the tolerance is derived for.
-  static float heightOf(int32_t quanta);
+  // `first` is the page's first slot. `bits` and `heights` are columns of its entries, in whole vectors
+  // (EntryPool::kVector). O(entries).
+  Found test(int level, Slot first, const EntryBlock& block, const uint32_t* bits, const uint8_t* heights) const;
 
  private:
   static constexpr size_t kRows = 5;  // to the right, up, depth, east, north, of a position relative to the eye
@@ -45,8 +43,8 @@ class Sweep {
     float radius, tolerance;                            // R in the metric's letters; what every tolerance has
   };
   template <bool kSides>
-  Found testAll(const Place& place, const float* heights, const FrontierEntry* entries, uint32_t count) const;
-  Place placeOf(int level, const FrontierPage& page) const;
+  Found testAll(const Place& place, const uint32_t* bits, const uint8_t* heights, uint32_t count) const;
+  Place placeOf(int level, Slot first, QuantisedRadius radius) const;
 
   const TerrainDomain& domain_;
   const HiddenEntries hidden_;

@@ -10,7 +10,6 @@
 #pragma once
 
 #include <array>
-#include <limits>
 #include <span>
 
 #include "proto/refine/adapt_scratch.h"
@@ -76,13 +75,13 @@ class TerrainTester {
     return knowledge;
   }
 
-  // The entry of a leaf of whose error and height nothing is known, and what goes with it: the next step tests it.
+  // Planar frontiers are swept (sweep.h), others have slacks.
+  static EntryKind entryKind(const Domain& domain) { return domain.isPlanar() ? EntryKind::kSwept : EntryKind::kSlack; }
+  // The entry of a leaf of whose error and height nothing is known: the next step tests it.
   static FrontierEntry unknownLeaf(const Domain& domain, uint8_t low) {
     const FrontierEntry leaf = FrontierEntry::newLeaf(low);
-    return domain.isPlanar() ? FrontierEntry::swept(low, leaf.bound(), FrontierEntry::Stands::kInSection) : leaf;
-  }
-  static float unknownSlack(const Domain& domain) {
-    return domain.isPlanar() ? std::numeric_limits<float>::quiet_NaN() : 0;
+    if (entryKind(domain) == EntryKind::kSlack) return leaf;
+    return FrontierEntry::swept(low, leaf.bound(), FrontierEntry::Stands::kInSection, FrontierEntry::kUnknown);
   }
 
   size_t count() const { return batch_.count; }
@@ -97,8 +96,7 @@ class TerrainTester {
   // Decides for some candidates of a level, all of which were pushed, whether they are in the section from now on. A
   // level with more candidates than kSize takes several calls. The result is false if the source stopped.
   bool decide(int level, std::span<AdaptCandidate> candidates, Frontier& frontier);
-  // Planar frontiers are swept (sweep.h), others have slacks.
-  bool isSwept() const { return domain_.isPlanar(); }
+  bool isSwept() const { return entryKind(domain_) == EntryKind::kSwept; }
   const Metric& metric() const { return metric_; }
   // These functions return what test() or decide() found for the node that was pushed as number `i`. `in_section` says
   // where the node stands from now on.
@@ -106,12 +104,12 @@ class TerrainTester {
   bool passes(size_t i) const { return batch_.passes[i] != 0; }
   FrontierEntry entry(size_t i, bool in_section) const {
     using enum FrontierEntry::Stands;
-    if (!isSwept()) return FrontierEntry::of(lowOf(batch_.slot[i]), batch_.bound[i], batch_.constraint[i]);
+    if (!isSwept())
+      return FrontierEntry::of(lowOf(batch_.slot[i]), batch_.bound[i], batch_.constraint[i], batch_.slack[i]);
     const bool is_hidden = decides_ && is_hidden_[i] != 0;
     return FrontierEntry::swept(lowOf(batch_.slot[i]), batch_.bound[i],
-                                is_hidden ? kHidden : (in_section ? kInSection : kOutside));
+                                is_hidden ? kHidden : (in_section ? kInSection : kOutside), batch_.height[i]);
   }
-  float slack(size_t i) const { return isSwept() ? Sweep::heightOf(batch_.height[i]) : batch_.slack[i]; }
 
   // Tells the source which of a level's candidates are new to the frontier and not known.
   void tellAddable(int level, std::span<const AdaptCandidate> candidates);

@@ -178,15 +178,16 @@ class PagedNodes {
       return true;
     });
   }
-  // Numbers the pages anew, in order, in memory that fits them; calls moved(page) for each. All are ordered.
-  template <class Moved>
-  void compact(const Moved& moved) {
+  // Numbers the pages anew, from 1 in order, in memory that fits them: that of compactCapacity() pages. All are
+  // ordered.
+  size_t compactCapacity() const { return 1 + order_.size() + order_.size() / 8; }
+  void compact() {
     std::vector<Page> pages;
-    pages.reserve(1 + order_.size() + order_.size() / 8);
+    pages.reserve(compactCapacity());
     pages.emplace_back();
     numbers_.reset(order_.size());
     for (PageName& name : order_) {
-      moved(pages.emplace_back(pages_[name.number]));
+      pages.push_back(pages_[name.number]);
       name.number = static_cast<uint32_t>(pages.size() - 1);
       numbers_.insert(name.key, name.number);
     }

@@ -28,13 +28,13 @@ class RandomFrontier {
   const GridTopology& grid() const { return grid_; }
   Rng& rng() { return rng_; }
   Frontier frontier() const {
-    Frontier frontier;
+    Frontier frontier(EntryKind::kSwept);
     const auto pageOf = [&](Slot slot) {
       const uint32_t page = frontier.nodes().find(slot);
       return page == Frontier::Nodes::kNone ? frontier.makePage(slot, {}) : page;
     };
     for (Slot slot : in_section_) frontier.addToSection(pageOf(slot), lowOf(slot));
-    for (Slot slot : on_frontier_) frontier.put(pageOf(slot), FrontierEntry::newLeaf(lowOf(slot)), 0);
+    for (Slot slot : on_frontier_) frontier.put(pageOf(slot), FrontierEntry::newLeaf(lowOf(slot)));
     frontier.orderPages();
     return frontier;
   }
