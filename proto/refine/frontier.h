@@ -8,6 +8,7 @@
 #include <array>
 #include <cstdint>
 #include <span>
+#include <type_traits>
 #include <vector>
 
 #include "proto/refine/memory/entry_pool.h"
@@ -67,14 +68,37 @@ class Frontier {
       visit(number, first, block, pool_.bits(block), pool_.heights(block));
     });
   }
+  // Of a page's entries, by rank: FrontierEntry::bits. Until entries come or go.
+  const uint32_t* entryBits(uint32_t number) const { return pool_.bits(blocks_[number]); }
   // By rank among the page's entries.
   FrontierEntry entryAt(uint32_t number, uint32_t rank) const { return pool_.at(blocks_[number], rank); }
   // Replaces the entry of the same node.
   void renew(uint32_t number, uint32_t rank, FrontierEntry entry) { pool_.set(blocks_[number], rank, entry); }
+  // The same of several of the page's entries: entryOf(i) is that of the rank ranks[i].
+  template <class EntryOf>
+  void renew(uint32_t number, std::span<const uint8_t> ranks, const EntryOf& entryOf) {
+    const EntryBlock block = blocks_[number];
+    uint32_t* const bits = pool_.bits(block);
+    const auto renewAll = [&](auto* rest) {
+      for (size_t i = 0; i < ranks.size(); ++i) {
+        const FrontierEntry entry = entryOf(i);
+        bits[ranks[i]] = entry.bits;
+        rest[ranks[i]] = static_cast<std::remove_reference_t<decltype(*rest)>>(entry.rest);
+      }
+    };
+    if (pool_.kind() == EntryKind::kSwept)
+      renewAll(pool_.heights(block));
+    else
+      renewAll(pool_.slacks(block));
+  }
   // Both ends know a known node's error from now on.
   void settle(uint32_t number, uint8_t low) { nodes_.page(number).knowledge.settled.set(low); }
   // Both ends know a node from now on.
   void learn(uint32_t number, uint8_t low) { nodes_.page(number).knowledge.known.set(low); }
+  void learn(uint32_t number, const SlotBits& nodes) {
+    SlotBits& known = nodes_.page(number).knowledge.known;
+    known = known | nodes;
+  }
   void setKnowledge(uint32_t number, const PageKnowledge& knowledge) {
     nodes_.page(number).knowledge = knowledge;
     blocks_[number].radius = knowledge.radius;

@@ -111,18 +111,19 @@ Sweep::Found Sweep::testAll(const Place& at, const uint32_t* entries, const uint
   Found found;
   for (uint32_t begin = 0; begin < count; begin += kLanes) {
     alignas(32) int32_t passes[kLanes], fails[kLanes], is_in_section[kLanes], is_no_height[kLanes], is_odd[kLanes];
-    const uint32_t* const entry = entries + begin;
-    const uint8_t* const upper = heights + begin;
+    // Its own memory, and all of one width, so that the loop vectorises.
+    alignas(32) int32_t entry[kLanes], height[kLanes];
+    for (uint32_t i = 0; i < kLanes; ++i) entry[i] = static_cast<int32_t>(entries[begin + i]);
+    for (uint32_t i = 0; i < kLanes; ++i) height[i] = FrontierEntry::heightOf(entries[begin + i], heights[begin + i]);
     for (uint32_t i = 0; i < kLanes; ++i) {
-      const auto bits = static_cast<int32_t>(entry[i]);
+      const int32_t bits = entry[i];
       const int32_t cell = kSides ? bits >> 1 & 127 : bits & 255, along_y = kSides ? bits & 1 : 1;
       const auto lattice_x = static_cast<float>(2 * (cell & 15) + (kSides ? 1 - along_y : 1) - kMiddle),
                  lattice_y = static_cast<float>(2 * (cell >> 4) + along_y - (kSides ? kMiddle / 2 : kMiddle));
       const auto row = [&](size_t r) {
         return place.origin[r] + place.along_x[r] * lattice_x + place.along_y[r] * lattice_y;
       };
-      const int32_t height = FrontierEntry::heightOf(entry[i], upper[i]);
-      const float h = static_cast<float>(height) - k.eye_height;
+      const float h = static_cast<float>(height[i]) - k.eye_height;
       const float x = row(0) + k.up[0] * h, y = row(1) + k.up[1] * h, z = row(2) + k.up[2] * h;
       const float east = row(3), north = row(4), R = place.radius;
 
@@ -145,7 +146,7 @@ Sweep::Found Sweep::testAll(const Place& at, const uint32_t* entries, const uint
       passes[i] = -static_cast<int32_t>((any > of_any) & (vertical > of_vertical) & (inside > of_inside));
       fails[i] = -static_cast<int32_t>((any < -of_any) | (vertical < -of_vertical) | (inside < -of_inside));
       is_in_section[i] = bits << 15;
-      is_no_height[i] = height - FrontierEntry::kLeastHeight;
+      is_no_height[i] = height[i] - FrontierEntry::kLeastHeight;
       is_odd[i] = bits << 14;
     }
     static_assert((FrontierEntry::kHidden & 1) == 1 && (FrontierEntry::kUnknown & 1) == 0);
