@@ -1,6 +1,7 @@
 #include "proto/refine/frontier.h"
 
 #include <algorithm>
+#include <bit>
 #include <utility>
 
 #include "base/check.h"
@@ -38,15 +39,24 @@ namespace {
 template <class Rest>
 void insertEntries(const SlotBits& old, const SlotBits& nodes, uint32_t more, uint32_t end, FrontierEntry blank,
                    uint32_t* bits, Rest* rest) {
-  nodes.forEachDescending([&](uint8_t low) {
-    for (const uint32_t begin = old.countBefore(low); end > begin; --end) {
-      bits[end - 1 + more] = bits[end - 1];
-      rest[end - 1 + more] = rest[end - 1];
+  uint32_t before = end;  // of the old entries
+  for (uint32_t w = 4; w-- > 0;) {
+    const uint64_t old_word = old.words[w];
+    before -= static_cast<uint32_t>(std::popcount(old_word));
+    for (uint64_t word = nodes.words[w]; word != 0;) {
+      const uint32_t top = 63 - static_cast<uint32_t>(std::countl_zero(word));
+      const uint64_t bit = uint64_t{1} << top;
+      word ^= bit;
+      for (const uint32_t begin = before + static_cast<uint32_t>(std::popcount(old_word & (bit - 1))); end > begin;
+           --end) {
+        bits[end - 1 + more] = bits[end - 1];
+        rest[end - 1 + more] = rest[end - 1];
+      }
+      --more;
+      bits[end + more] = blank.at(static_cast<uint8_t>(w << 6 | top)).bits;
+      rest[end + more] = static_cast<Rest>(blank.rest);
     }
-    --more;
-    bits[end + more] = blank.at(low).bits;
-    rest[end + more] = static_cast<Rest>(blank.rest);
-  });
+  }
 }
 
 // How many have gone.
