@@ -60,9 +60,10 @@ void TerrainTester::leaveOutHidden(CandidateColumns& c) {
 // Whether what is known of the error decides. The view may say that no error passes; of a node that is known but whose
 // error is not, all that is known is that it was asked about. With few branches, for nothing foretells the decisions.
 bool TerrainTester::resolve(size_t i, CandidateColumns& c, QuantisedError finest) {
-  const bool is_unsettled = !c.isSettled(i), was_in_section = c.in_section[i] != 0;
+  const bool is_unsettled = !c.isSettled(i), was_in_section = c.in_section[i] != 0, is_new = c.isNew(i),
+             is_known = c.isKnown(i);
   const uint16_t least = batch_.least[i];
-  if (c.isNew(i) & c.isKnown(i) & !was_in_section & is_unsettled & (finest.value >= least)) {
+  if (is_new & is_known & !was_in_section & is_unsettled & (finest.value >= least)) {
     batch_.bound[i] = finest;
     c.in_section[i] = 1;
     return true;
