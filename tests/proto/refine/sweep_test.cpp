@@ -170,8 +170,8 @@ TEST(Sweep, IsNeverSureOfWhatTheExactTestDenies) {
   if (asked) std::printf("%zu tests, %zu unsure\n", size_t{answers.tests}, size_t{answers.unsure});
 }
 
-// So the nodes are where it matters: about one page in three thousand has one whose rounding errors agree that well. Which
-// pages they are depends on the compiler.
+// So the nodes are where it matters: about one page in three thousand has one whose rounding errors agree that well.
+// Which pages they are depends on the compiler.
 TEST(Sweep, IsWrongWithATenthOfItsTolerance) {
   constexpr uint64_t kMost = 60'000;
   const uint64_t seed = testing::UnitTest::GetInstance()->random_seed();
