@@ -9,6 +9,7 @@ import { Picture, type Shot } from './draw/picture';
 import { ColourMaps, takeFiles } from './ui/colour_maps';
 import { Controls } from './ui/controls';
 import { wordsOf } from './ui/failure_words';
+import { boundTo } from './ui/form';
 import { Guard } from './ui/guard';
 import { Hint } from './ui/hint';
 import { KeptAddress, queryText } from './ui/kept_address';
@@ -22,6 +23,7 @@ import { kLens, type Address, type Settings, type Tour } from './ui/settings';
 import { SightControl } from './ui/sight_control';
 import { sunDirection } from './ui/sun';
 import { Tours } from './ui/tours';
+import { wordsOnMoving } from './ui/welcome_words';
 import { reasonOf } from './ui/words';
 
 function byId(id: string): HTMLElement {
@@ -64,7 +66,10 @@ export class App {
     this.picture = this.newPicture();
     this.steering.controls.onTakeOver = () => this.guard.run(() => this.tours.current && this.chooseTour(null));
     const file = document.createElement('input');
-    this.panel = new Panel(byId('panel'), this.settings, this.colour_maps.names, file, () => this.guard.run(() => this.applySettings()));
+    const { controls } = this.steering;
+    this.panel = new Panel(byId('panel'), this.settings, this.colour_maps.names, file, boundTo(controls, 'speed_mps'),
+      () => this.guard.run(() => this.applySettings()));
+    controls.onSpeed = () => this.guard.run(() => this.panel.showChoices());
     takeFiles(file, (name, text) => this.guard.run(() => this.addColours(name, text)),
       (reason) => this.guard.run(() => this.refuseColours(reason)));
     if (address.is_recorded) this.panel.addButton('Save the recording', 'save', () => void this.saveRecording());
@@ -76,8 +81,6 @@ export class App {
     this.resize();
     this.showConnecting();
     this.beginDrawing();
-    this.hint.show(kIsPhone ? 'One finger looks, two fingers fly'
-      : 'Drag to look \u00b7 W A S D to fly \u00b7 E Q up and down \u00b7 wheel sets the speed \u00b7 shift-click and V show what is seen');
   }
 
   // For tests, and for anyone who opens the console.
@@ -147,13 +150,14 @@ export class App {
     this.scene = scene;
     this.picture.setScene(scene);
     this.showColours();
-    this.panel.setScene(scene.heights.lowest, scene.heights.highest, scene.maxMoved, scene.frame === 'geographic');
     this.applyLook();
     this.scene_time.setEpochs(scene.epochs);
     byId('scene-title').textContent = scene.title;
     document.title = `${scene.title} \u00b7 Foreland`;
+    if (is_first) this.steering.enter(scene, this.address.view);
+    this.panel.setScene(scene);
     if (!is_first) return;
-    this.steering.enter(scene, this.address.view);
+    this.hint.show(wordsOnMoving(kIsPhone));
     this.kept_address.begin(queryText(this.addressHere()));
   }
 

@@ -366,16 +366,54 @@ const overlaps = (page) => page.evaluate(() => {
   return shown.flatMap(([a, box], i) => shown.slice(i + 1).filter(([, other]) => covers(box, other)).map(([b]) => `${a}, ${b}`));
 });
 
+// The page's parts that reach beyond the window.
+const cutOff = (page) => page.evaluate(() => ['title', 'panel', 'readout', 'time', 'tours', 'hint'].filter((id) => {
+  const { left, top, right, bottom } = document.getElementById(id).getBoundingClientRect();
+  return left < 0 || top < 0 || right > window.innerWidth || bottom > window.innerHeight;
+}));
+
+test('a visitor finds what a visitor wants, and the laboratory stays open for who has opened it', kTest, () =>
+  visit('', async (page) => {
+    assert.equal((await page.locator('#hint').textContent()).split('\n').length, 3);
+    const body = page.locator('#panel .body');
+    assert.equal(await body.evaluate((b) => b.scrollHeight > b.clientHeight), false, 'all settings of a visitor are in view');
+    for (const name of ['ground', 'sun', 'relief', 'speed', 'quality']) assert.ok(await page.locator(`[name=${name}]`).isVisible(), name);
+    for (const name of ['strategy', 'tau_px', 'wireframe']) assert.equal(await page.locator(`[name=${name}]`).first().isVisible(), false, name);
+    assert.equal(await page.locator('[name=imagery]').isVisible(), false, 'the scene has no imagery');
+    assert.match(await page.locator('#readout').textContent(), / high .* above ground.* fps$/);
+    assert.equal(await page.locator('#readout dl').isVisible(), false);
+
+    await page.locator('[name=quality]').fill('-2');
+    assert.equal(await page.locator('[name=tau_px]').inputValue(), '2'); // of 2 to its power, pixels
+    await until(page, (s) => s.tau_px === 4);
+    const speed = page.locator('.row:has([name=speed]) output'), before_ = await speed.textContent();
+    await page.mouse.move(480, 270);
+    await page.mouse.wheel(0, -500);
+    await speed.filter({ hasNotText: before_ }).waitFor();
+    await page.locator('[name=speed]').fill('1');
+    assert.equal(await speed.textContent(), '10 m/s');
+
+    await page.getByText('Laboratory').click();
+    await page.locator('#readout button').click();
+    await page.locator('#readout dl').waitFor();
+    await page.reload();
+    await untilTerrain(page);
+    assert.ok(await page.locator('[name=strategy]').first().isVisible());
+    assert.ok(await page.locator('#readout dl').isVisible());
+    assert.equal((await page.locator('#hint').textContent()).split('\n').length, 1);
+  }, { width: 1280, height: 720, is_first_visit: true }));
+
 test('no part of the page lies over another, on small screens and large ones, with a time line and without', kTest, async () => {
   const moving = await startServer(await makeMovingScene(folder.folder));
   try {
     for (const at of [server, moving]) {
       await visit('', async (page) => {
-        for (const [width, height] of [[640, 360], [390, 844], [844, 390], [720, 600], [960, 600], [1280, 720]]) {
+        for (const [width, height] of [[640, 360], [390, 844], [360, 640], [844, 390], [720, 600], [960, 600], [1280, 720], [1920, 1080]]) {
           await page.setViewportSize({ width, height });
           assert.deepEqual(await overlaps(page), [], `${width} x ${height}`);
+          assert.deepEqual(await cutOff(page), [], `${width} x ${height}`);
         }
-      }, { server: at, mobile: true, width: 640, height: 360 });
+      }, { server: at, mobile: true, width: 640, height: 360, is_first_visit: true });
     }
   } finally {
     await moving.stop();
