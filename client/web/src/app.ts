@@ -13,6 +13,7 @@ import { boundTo } from './ui/form';
 import { Guard } from './ui/guard';
 import { Hint } from './ui/hint';
 import { KeptAddress, queryText } from './ui/kept_address';
+import { MeasureControl } from './ui/measure_control';
 import { showNotice, type Notice } from './ui/notice';
 import { Panel } from './ui/panel';
 import { PredictionCheck } from './ui/prediction_check';
@@ -45,9 +46,11 @@ export class App {
   private readonly steering = new Steering(new Controls(this.canvas), this.tours);
   private readonly scene_time = new SceneTime(byId('time'), (at, ms_rate) => this.terrain?.setSceneTime({ at, rate: ms_rate }));
   private readonly card_loss = new CardLoss((work) => this.guard.run(work), () => this.drawAgain());
-  private readonly sight = new SightControl({
-    picture: () => this.picture, terrain: () => this.terrain, sceneTime: () => this.scene_time_ms, say: (text) => this.hint.show(text),
-  });
+  private readonly stage = {
+    picture: () => this.picture, terrain: () => this.terrain, sceneTime: () => this.scene_time_ms, say: (text: string) => this.hint.show(text),
+  };
+  private readonly sight = new SightControl(this.stage);
+  private readonly measure_control = new MeasureControl(byId('tools'), byId('measure'), this.stage);
   private readonly panel: Panel;
   private readonly settings: Settings;
   private picture: Picture;
@@ -102,6 +105,7 @@ export class App {
       scene_time_ms: this.scene_time_ms,
       ...this.terrain?.stats,
       ...this.sight.status(),
+      ...this.measure_control.status(),
     };
   }
 
@@ -232,6 +236,7 @@ export class App {
     this.showColours();
     if (before.frozen_view.pose) this.freezeAt(before.frozen_view.pose);
     this.sight.show();
+    this.measure_control.show();
     this.mesh = null;
     this.resize();
     if (this.scene) notify(null);

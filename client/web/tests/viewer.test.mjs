@@ -1,6 +1,6 @@
 // The page in headless Chromium against the real server, as a person would use it. Every wait is for a condition.
 import assert from 'node:assert/strict';
-import { mkdir } from 'node:fs/promises';
+import { mkdir, readFile } from 'node:fs/promises';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
 import { serveMessage } from '../../js/tests/socket.mjs';
@@ -360,14 +360,14 @@ test('it fits a phone', kTest, () =>
 
 // Pairs of the page's parts that lie over one another.
 const overlaps = (page) => page.evaluate(() => {
-  const boxes = ['title', 'panel', 'readout', 'time', 'tours', 'hint'].map((id) => [id, document.getElementById(id).getBoundingClientRect()]);
+  const boxes = ['title', 'tools', 'panel', 'readout', 'time', 'tours', 'hint'].map((id) => [id, document.getElementById(id).getBoundingClientRect()]);
   const covers = (a, b) => a.left < b.right && b.left < a.right && a.top < b.bottom && b.top < a.bottom;
   const shown = boxes.filter(([, box]) => box.width > 0);
   return shown.flatMap(([a, box], i) => shown.slice(i + 1).filter(([, other]) => covers(box, other)).map(([b]) => `${a}, ${b}`));
 });
 
 // The page's parts that reach beyond the window.
-const cutOff = (page) => page.evaluate(() => ['title', 'panel', 'readout', 'time', 'tours', 'hint'].filter((id) => {
+const cutOff = (page) => page.evaluate(() => ['title', 'tools', 'panel', 'readout', 'time', 'tours', 'hint'].filter((id) => {
   const { left, top, right, bottom } = document.getElementById(id).getBoundingClientRect();
   return left < 0 || top < 0 || right > window.innerWidth || bottom > window.innerHeight;
 }));
@@ -939,6 +939,44 @@ test('the picture of hidden valleys, frozen and seen from outside', kTest, async
     await occluding.stop();
   }
 });
+
+test('points, lines and areas are measured by mouse and by keys', kTest, () =>
+  visit('', async (page) => {
+    const rows = () => page.locator('#measure dt').allTextContents();
+    const measured = (n) => until(page, (s, count) => s.measured_corners === count, n);
+    await page.getByRole('button', { name: 'Measure', exact: true }).click();
+    await page.mouse.click(420, 330);
+    await measured(1);
+    assert.deepEqual((await rows()).slice(-2), ['Slope', 'Falls towards']);
+    await page.mouse.click(540, 340);
+    const line = await measured(2);
+    assert.ok(line.measured_m > 10, `${line.measured_m} m`);
+    assert.deepEqual((await rows()).slice(0, 3), ['Length', 'Along the ground', 'Straight']);
+    const download = page.waitForEvent('download');
+    await page.getByRole('button', { name: 'CSV' }).click();
+    const file = join(folder.folder, 'profile.csv');
+    await (await download).saveAs(file);
+    const [header, ...places] = (await readFile(file, 'utf8')).trim().split('\n');
+    assert.match(header, /,distance_m,height_m$/);
+    assert.ok(Math.abs(Number(places.at(-1).split(',')[2]) - line.measured_m) < 0.01);
+    await page.locator('#measure svg').hover();
+    await page.getByText(/ along: .* high$/).waitFor();
+
+    await page.locator('#scene').focus();
+    await page.keyboard.press('Enter'); // what is in the middle
+    assert.ok((await measured(3)).measured_m2 > 100);
+    assert.ok((await rows()).includes('On the slope'));
+    await page.getByRole('button', { name: 'Units: metric' }).click();
+    assert.match(await page.locator('#measure dd').first().textContent(), / (ft|mi)$/);
+    await page.locator('#scene').focus();
+    await page.keyboard.press('Backspace');
+    assert.equal((await measured(2)).measured_m2, null);
+    await page.mouse.click(480, 30); // the sky
+    await page.getByText('There is no ground to measure there.').waitFor();
+    await page.keyboard.press('Escape');
+    assert.equal((await until(page, (s) => !s.measuring)).measured_corners, 0);
+    assert.equal(await page.locator('#measure').isVisible(), false);
+  }));
 
 // Pictures go to docs/images only when asked for, so that a test run leaves the checkout as it was.
 async function save(page, name) {

@@ -5,6 +5,7 @@ import * as THREE from 'three';
 import { kLens, type Settings } from '../ui/settings';
 import { FrozenView } from './frozen_view';
 import { pageMaterials } from './materials';
+import { MeasureLine } from './measure_line';
 import { ShadeProbe } from './shade_probe';
 import { SightLines } from './sight_lines';
 import { Sky } from './sky';
@@ -25,6 +26,7 @@ export class Picture {
   readonly renderer: THREE.WebGLRenderer;
   readonly frozen_view = new FrozenView();
   readonly sight_lines = new SightLines();
+  readonly measure_line = new MeasureLine();
   readonly viewshed_drape = new ViewshedDrape();
   readonly up = new THREE.Vector3(0, 0, 1); // at the camera's eye
   ground: ForelandTerrain | null = null;
@@ -41,7 +43,7 @@ export class Picture {
   constructor(private readonly canvas: HTMLCanvasElement, private readonly anisotropy: number | null) {
     this.renderer = new THREE.WebGLRenderer({ canvas, antialias: true, powerPreference: 'high-performance' });
     this.renderer.autoClear = false;
-    this.scene.add(this.sky.object, this.frozen_view.object, this.sight_lines.object);
+    this.scene.add(this.sky.object, this.frozen_view.object, this.sight_lines.object, this.measure_line.object);
   }
 
   // Shows a terrain; once.
