@@ -403,6 +403,17 @@ test('a visitor finds what a visitor wants, and the laboratory stays open for wh
     assert.equal((await page.locator('#hint').textContent()).split('\n').length, 1);
   }, { width: 1280, height: 720, is_first_visit: true }));
 
+test('who hears the page, or has little contrast, finds nothing serious amiss in it', kTest, () =>
+  visit('', async (page) => {
+    await page.locator('#hint').evaluate((hint) => hint.remove()); // it goes by itself, over whatever is behind it
+    await page.getByRole('button', { name: 'Measure', exact: true }).click();
+    await page.locator('#measure').waitFor();
+    await page.evaluate(await readFile(join(root, 'client/web/node_modules/axe-core/axe.min.js'), 'utf8'));
+    const { violations } = await page.evaluate(() => window.axe.run(document, { resultTypes: ['violations'] }));
+    const serious = violations.filter(({ impact }) => impact === 'serious' || impact === 'critical');
+    assert.deepEqual(serious.map(({ id, nodes }) => `${id}: ${nodes.map((node) => node.html.slice(0, 120)).join('; ')}`), []);
+  }, { width: 1280, height: 720 }));
+
 test('no part of the page lies over another, on small screens and large ones, with a time line and without', kTest, async () => {
   const moving = await startServer(await makeMovingScene(folder.folder));
   try {
