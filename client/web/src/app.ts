@@ -7,6 +7,7 @@ import { CardLoss } from './app/card_loss';
 import { Steering } from './app/steering';
 import { Picture, type Shot } from './draw/picture';
 import { ColourMaps, takeFiles } from './ui/colour_maps';
+import { Compass } from './ui/compass';
 import { Controls } from './ui/controls';
 import { wordsOf } from './ui/failure_words';
 import { boundTo } from './ui/form';
@@ -51,6 +52,7 @@ export class App {
   };
   private readonly sight = new SightControl(this.stage);
   private readonly measure_control = new MeasureControl(byId('tools'), byId('measure'), this.stage);
+  private readonly compass = new Compass(byId('compass'), () => this.guard.run(() => this.turnNorth()));
   private readonly panel: Panel;
   private readonly settings: Settings;
   private picture: Picture;
@@ -327,6 +329,11 @@ export class App {
     if (is_sized && !this.terrain) this.connect();
   }
 
+  private turnNorth(): void {
+    if (this.tours.current) this.chooseTour(null);
+    this.steering.controls.look.heading = 0;
+  }
+
   // ---- a frame
 
   private draw(now_ms: number): void {
@@ -355,6 +362,7 @@ export class App {
   private measure(now_ms: number, frame: Frame, position: Place | null): void {
     const { controls } = this.steering;
     const predicts = this.settings.strategy === 'predict';
+    this.compass.update({ now_ms, heading_rad: controls.look.heading, pixelAtGround_m: () => this.picture.pixelAtGround_m() });
     this.readout.update({
       now_ms,
       statistics: this.terrain!.stats,

@@ -360,14 +360,14 @@ test('it fits a phone', kTest, () =>
 
 // Pairs of the page's parts that lie over one another.
 const overlaps = (page) => page.evaluate(() => {
-  const boxes = ['title', 'tools', 'panel', 'readout', 'time', 'tours', 'hint'].map((id) => [id, document.getElementById(id).getBoundingClientRect()]);
+  const boxes = ['title', 'tools', 'panel', 'readout', 'compass', 'time', 'tours', 'hint'].map((id) => [id, document.getElementById(id).getBoundingClientRect()]);
   const covers = (a, b) => a.left < b.right && b.left < a.right && a.top < b.bottom && b.top < a.bottom;
   const shown = boxes.filter(([, box]) => box.width > 0);
   return shown.flatMap(([a, box], i) => shown.slice(i + 1).filter(([, other]) => covers(box, other)).map(([b]) => `${a}, ${b}`));
 });
 
 // The page's parts that reach beyond the window.
-const cutOff = (page) => page.evaluate(() => ['title', 'tools', 'panel', 'readout', 'time', 'tours', 'hint'].filter((id) => {
+const cutOff = (page) => page.evaluate(() => ['title', 'tools', 'panel', 'readout', 'compass', 'time', 'tours', 'hint'].filter((id) => {
   const { left, top, right, bottom } = document.getElementById(id).getBoundingClientRect();
   return left < 0 || top < 0 || right > window.innerWidth || bottom > window.innerHeight;
 }));
@@ -950,6 +950,21 @@ test('the picture of hidden valleys, frozen and seen from outside', kTest, async
     await occluding.stop();
   }
 });
+
+test('the compass turns the view to the north, and the scale bar is as long on the ground as it says', kTest, () =>
+  visit('view=0,-2000,4000,130,-80', async (page) => {
+    const button = page.getByRole('button', { name: /^Compass: 130 degrees/ });
+    const bar = page.locator('#compass .scale');
+    await bar.filter({ hasText: /^\d/ }).waitFor();
+    const { above_ground_m } = await status(page);
+    const [size, unit] = (await bar.textContent()).split(' '), metres = Number(size) * (unit === 'km' ? 1000 : 1);
+    const { width } = await bar.boundingBox(), { height } = page.viewportSize();
+    const seen_m = (width / height) * 2 * Math.tan((55 * Math.PI) / 360) * above_ground_m; // straight below
+    assert.ok(Math.abs(metres / seen_m - 1) < 0.15, `${metres} m, not ${seen_m} m`);
+    await button.click();
+    await until(page, (s) => s.heading === 0);
+    await page.getByRole('button', { name: /^Compass: 0 degrees/ }).waitFor();
+  }));
 
 test('points, lines and areas are measured by mouse and by keys', kTest, () =>
   visit('', async (page) => {

@@ -157,6 +157,14 @@ export class Picture {
     return at.unproject(this.camera).sub(this.camera.position).normalize().toArray();
   }
 
+  // Metres across a pixel of the window, on a plane towards the ground that is held in the middle of the view; null where there is none.
+  pixelAtGround_m(): number | null {
+    const { left, top, width, height } = this.canvas.getBoundingClientRect();
+    const point = this.ground?.terrain.raycast(this.eye, this.directionAt(left + width / 2, top + height / 2));
+    if (!point) return null;
+    return (2 * Math.tan(kLens.fov_rad / 2) * Math.hypot(...this.eye.map((v, i) => point[i]! - v))) / height;
+  }
+
   // ---- for tests
 
   // How many pixels of the last frame's view differ between the end of the mesh that is drawn and the beginning of the next one, and how

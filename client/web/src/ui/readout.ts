@@ -122,8 +122,8 @@ export class Readout {
     const slope = position.slope === null ? '' : ` \u00b7 slope ${((position.slope * 180) / Math.PI).toFixed(0)}\u00b0`;
     const heading = ((((m.heading_rad * 180) / Math.PI) % 360) + 360) % 360;
     const lines = [`${at}${slope}`, `${heightsText(position, m.scene.vertical)}${above}`];
-    const speed = speed_mps > 1e-3 * m.set_speed_mps ? `${metresText(speed_mps)}/s` : `keys fly at ${metresText(m.set_speed_mps)}/s`;
-    lines.push(`heading ${heading.toFixed(0).padStart(3, '0')}\u00b0 \u00b7 ${speed}`);
+    const speed = speed_mps > 1e-3 * m.set_speed_mps ? ` \u00b7 ${metresText(speed_mps)}/s` : '';
+    lines.push(`heading ${heading.toFixed(0).padStart(3, '0')}\u00b0${speed}`);
     this.where.replaceChildren(...lines.map((text) => Object.assign(document.createElement('span'), { textContent: text })));
   }
 
