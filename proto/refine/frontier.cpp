@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "base/bit_instructions.h"
 #include "base/check.h"
 #include "proto/refine/take_motion.h"
 
@@ -29,50 +30,56 @@ void Frontier::put(uint32_t number, FrontierEntry entry, float slack) {
 }
 
 void Frontier::enter(uint32_t number, const SlotBits& nodes, FrontierEntry blank) {
-  uint32_t more = nodes.count();
-  if (more == 0) return;
-  Page& page = nodes_.page(number);
-  pool_.reserve(page.block, page.entries, page.entries + more);
-  float* slack = pool_.slack(page.block);
-  FrontierEntry* entries = pool_.entries(page.block);
-  uint32_t end = page.entries;
-  page.entries = static_cast<uint16_t>(end + more);
-  entries_ += more;
-  // From the back, so that each of the others moves once.
-  nodes.forEachDescending([&](uint8_t low) {
-    for (const uint32_t begin = page.on_frontier.countBefore(low); end > begin; --end) {
-      slack[end - 1 + more] = slack[end - 1];
-      entries[end - 1 + more] = entries[end - 1];
-    }
-    --more;
-    slack[end + more] = 0;
-    entries[end + more] = blank.at(low);
+  if (!nodes.any()) return;
+  runWithBitInstructions([&]() __attribute__((always_inline)) {
+    uint32_t more = nodes.count();
+    Page& page = nodes_.page(number);
+    pool_.reserve(page.block, page.entries, page.entries + more);
+    float* slack = pool_.slack(page.block);
+    FrontierEntry* entries = pool_.entries(page.block);
+    uint32_t end = page.entries;
+    page.entries = static_cast<uint16_t>(end + more);
+    entries_ += more;
+    // From the back, so that each of the others moves once.
+    const FrontierEntry entry = blank;
+    const SlotBits others = page.on_frontier;
+    nodes.forEachDescending([&](uint8_t low) {
+      for (const uint32_t begin = others.countBefore(low); end > begin; --end) {
+        slack[end - 1 + more] = slack[end - 1];
+        entries[end - 1 + more] = entries[end - 1];
+      }
+      --more;
+      slack[end + more] = 0;
+      entries[end + more] = entry.at(low);
+    });
   });
   nodes_.addToFrontier(number, nodes);
 }
 
 void Frontier::leave(uint32_t number, const SlotBits& nodes) {
-  Page& page = nodes_.page(number);
-  float* slack = pool_.slack(page.block);
-  FrontierEntry* entries = pool_.entries(page.block);
-  uint32_t gone = 0, at = 0;
-  const auto moveUpTo = [&](uint32_t end) {
-    for (; gone > 0 && at < end; ++at) {
-      slack[at - gone] = slack[at];
-      entries[at - gone] = entries[at];
-    }
-  };
-  nodes.forEachRanked(page.on_frontier, [&](uint8_t, uint32_t rank) {
-    moveUpTo(rank);
-    at = rank + 1;
-    ++gone;
+  runWithBitInstructions([&]() __attribute__((always_inline)) {
+    Page& page = nodes_.page(number);
+    float* slack = pool_.slack(page.block);
+    FrontierEntry* entries = pool_.entries(page.block);
+    uint32_t gone = 0, at = 0;
+    const auto moveUpTo = [&](uint32_t end) {
+      for (; gone > 0 && at < end; ++at) {
+        slack[at - gone] = slack[at];
+        entries[at - gone] = entries[at];
+      }
+    };
+    nodes.forEachRanked(page.on_frontier, [&](uint8_t, uint32_t rank) {
+      moveUpTo(rank);
+      at = rank + 1;
+      ++gone;
+    });
+    moveUpTo(page.entries);
+    const uint32_t left = page.entries - gone;
+    std::fill(slack + left, slack + page.entries, EntryPool::kEndless);
+    page.entries = static_cast<uint16_t>(left);
+    entries_ -= gone;
+    pool_.shrink(page.block, left);
   });
-  moveUpTo(page.entries);
-  const uint32_t left = page.entries - gone;
-  std::fill(slack + left, slack + page.entries, EntryPool::kEndless);
-  page.entries = static_cast<uint16_t>(left);
-  entries_ -= gone;
-  pool_.shrink(page.block, left);
   nodes_.removeFromFrontier(number, nodes);
 }
 

@@ -7,12 +7,13 @@
 #include <bit>
 #include <cstdint>
 
-#if defined(__AVX2__)
+#if defined(__x86_64__)
 #include <immintrin.h>
 #elif defined(__wasm_simd128__)
 #include <wasm_simd128.h>
 #endif
 
+#include "base/vectors.h"
 #include "proto/refine/memory/entry_pool.h"
 #include "proto/refine/memory/slot_bits.h"
 #include "proto/refine/metric/motion_bound.h"
@@ -32,9 +33,10 @@ inline SlotBits takeMotionByScalars(const MotionBound& motion, float* slack, con
   return stale;
 }
 
-#if defined(__AVX2__)
+#if defined(FORELAND_AVX2)
 
-inline SlotBits takeMotion(const MotionBound& motion, float* slack, const FrontierEntry* entries, uint32_t count) {
+FORELAND_AVX2 inline SlotBits takeMotionByAvx2(const MotionBound& motion, float* slack, const FrontierEntry* entries,
+                                               uint32_t count) {
   static_assert(EntryPool::kVector == 8);
   // Both tables have four numbers, which the lower two bits of a lane choose from: a sensitivity.
   const __m256 fixed = _mm256_broadcast_ps(reinterpret_cast<const __m128*>(motion.fixed.data())),
@@ -54,9 +56,17 @@ inline SlotBits takeMotion(const MotionBound& motion, float* slack, const Fronti
   return stale;
 }
 
+inline SlotBits takeMotion(const MotionBound& motion, float* slack, const FrontierEntry* entries, uint32_t count,
+                           Vectors vectors = widestVectors()) {
+  return vectors >= Vectors::kAvx2 ? takeMotionByAvx2(motion, slack, entries, count)
+                                   : takeMotionByScalars(motion, slack, entries, count);
+}
+
 #elif defined(__wasm_simd128__)
 
-inline SlotBits takeMotion(const MotionBound& motion, float* slack, const FrontierEntry* entries, uint32_t count) {
+inline SlotBits takeMotion(const MotionBound& motion, float* slack, const FrontierEntry* entries, uint32_t count,
+                           Vectors vectors = widestVectors()) {
+  if (vectors == Vectors::kScalar) return takeMotionByScalars(motion, slack, entries, count);
   static_assert(EntryPool::kVector % 4 == 0);
   // The bytes of one of four numbers, chosen by a sensitivity.
   const v128_t fixed = wasm_v128_load(motion.fixed.data()), per_distance = wasm_v128_load(motion.per_distance.data());
@@ -78,7 +88,8 @@ inline SlotBits takeMotion(const MotionBound& motion, float* slack, const Fronti
 
 #else
 
-inline SlotBits takeMotion(const MotionBound& motion, float* slack, const FrontierEntry* entries, uint32_t count) {
+inline SlotBits takeMotion(const MotionBound& motion, float* slack, const FrontierEntry* entries, uint32_t count,
+                           Vectors = widestVectors()) {
   return takeMotionByScalars(motion, slack, entries, count);
 }
 

@@ -56,8 +56,7 @@ class RandomPage {
   };
   void judge(double tolerance, Answers& answers) const {
     const Metric metric = domain_.metric(view_);
-    const Sweep::Found found =
-        Sweep(domain_, metric, HiddenEntries::kLeave, tolerance).test(level_, page_, floats_.data(), entries_.data());
+    const Sweep::Found found = sweep(metric, HiddenEntries::kLeave, tolerance, widestVectors());
     for (uint32_t i = 0; i < page_.entries; ++i) {
       const auto rank = static_cast<uint8_t>(i);
       const bool in_section = (entries_[i].bits >> 16 & 1) != 0;
@@ -68,7 +67,29 @@ class RandomPage {
     }
   }
 
+  // Whether all vectors that this processor has answer as one entry after another does, with some entries hidden.
+  void compareVectors(Rng& rng) {
+    for (uint32_t i = 0; i < page_.entries; ++i)
+      if (rng.below(4) == 0)
+        entries_[i] = FrontierEntry::swept(entries_[i].low(), entries_[i].bound(), FrontierEntry::Stands::kHidden);
+    const Metric metric = domain_.metric(view_);
+    for (const auto hidden : {HiddenEntries::kLeave, HiddenEntries::kTest})
+      // With no tolerance more answers hang on the last bits.
+      for (const double tolerance : {0.0, 1.0}) {
+        const Sweep::Found expected = sweep(metric, hidden, tolerance, Vectors::kScalar);
+        for (const Vectors vectors : kAllVectors) {
+          if (vectors > widestVectors()) break;
+          const Sweep::Found found = sweep(metric, hidden, tolerance, vectors);
+          ASSERT_EQ(found.changed, expected.changed) << "vectors " << static_cast<int>(vectors);
+          ASSERT_EQ(found.unsure, expected.unsure) << "vectors " << static_cast<int>(vectors);
+        }
+      }
+  }
+
  private:
+  Sweep::Found sweep(const Metric& metric, HiddenEntries hidden, double tolerance, Vectors vectors) const {
+    return Sweep(domain_, metric, hidden, tolerance).test(level_, page_, floats_.data(), entries_.data(), vectors);
+  }
   void lookAtIt(Rng& rng) {
     const NodeId n = grid_.pageNodes(level_, page_.first()).at(static_cast<uint32_t>(rng.below(kPageSlots)));
     const Frame& frame = domain_.frame.transform().frame();
@@ -168,6 +189,15 @@ TEST(Sweep, IsNeverSureOfWhatTheExactTestDenies) {
   EXPECT_EQ(answers.wrong, 0u) << "seed " << seed << ", " << answers.tests << " tests";
   RecordProperty("unsure", std::to_string(answers.unsure));
   if (asked) std::printf("%zu tests, %zu unsure\n", size_t{answers.tests}, size_t{answers.unsure});
+}
+
+TEST(Sweep, AnswersTheSameByAllVectors) {
+  const uint64_t seed = testing::UnitTest::GetInstance()->random_seed();
+  for (uint64_t round = 0; round < 2000; ++round) {
+    Rng rng((seed << 32) + round);
+    RandomPage(rng).compareVectors(rng);
+    ASSERT_FALSE(testing::Test::HasFatalFailure()) << "seed " << seed << ", round " << round;
+  }
 }
 
 // So the nodes are where it matters: about one page in three thousand has one whose rounding errors agree that well.

@@ -38,14 +38,18 @@ TEST(TakeMotion, GivesTheSameBitsByVectors) {
     MotionBound motion;
     for (size_t g = 0; g < MotionBound::kSensitivities; ++g) motion.set(g, rng.uniform(0, 2), rng.uniform(0, 1e-3));
     Entries some(rng, static_cast<uint32_t>(rng.below(257)));
-    std::vector<float> slack = some.slack;
-    const SlotBits expected = takeMotionByScalars(motion, slack.data(), some.entries.data(), some.count);
-    const SlotBits stale = takeMotion(motion, some.slack.data(), some.entries.data(), some.count);
-    ASSERT_EQ(stale, expected) << "seed " << seed;
-    for (uint32_t i = 0; i < slack.size(); ++i)
-      ASSERT_EQ(std::bit_cast<uint32_t>(some.slack[i]), std::bit_cast<uint32_t>(slack[i])) << "seed " << seed;
-    any_stale = any_stale || stale.any();
-    any_kept = any_kept || stale.count() < some.count;
+    std::vector<float> expected_slack = some.slack;
+    const SlotBits expected = takeMotionByScalars(motion, expected_slack.data(), some.entries.data(), some.count);
+    for (const Vectors vectors : kAllVectors) {
+      if (vectors > widestVectors()) break;
+      std::vector<float> slack = some.slack;
+      const SlotBits stale = takeMotion(motion, slack.data(), some.entries.data(), some.count, vectors);
+      ASSERT_EQ(stale, expected) << "seed " << seed;
+      for (uint32_t i = 0; i < slack.size(); ++i)
+        ASSERT_EQ(std::bit_cast<uint32_t>(expected_slack[i]), std::bit_cast<uint32_t>(slack[i])) << "seed " << seed;
+    }
+    any_stale = any_stale || expected.any();
+    any_kept = any_kept || expected.count() < some.count;
   }
   EXPECT_TRUE(any_stale && any_kept);
 }
