@@ -4,6 +4,7 @@
 #include <bit>
 #include <utility>
 
+#include "base/bit_instructions.h"
 #include "base/check.h"
 #include "proto/refine/take_motion.h"
 
@@ -37,8 +38,8 @@ namespace {
 
 // From the back, so that each of the others moves once.
 template <class Rest>
-void insertEntries(const SlotBits& old, const SlotBits& nodes, uint32_t more, uint32_t end, FrontierEntry blank,
-                   uint32_t* bits, Rest* rest) {
+[[gnu::always_inline]] inline void insertEntries(const SlotBits& old, const SlotBits& nodes, uint32_t more,
+                                                 uint32_t end, FrontierEntry blank, uint32_t* bits, Rest* rest) {
   uint32_t before = end;  // of the old entries
   for (uint32_t w = 4; w-- > 0;) {
     const uint64_t old_word = old.words[w];
@@ -61,7 +62,8 @@ void insertEntries(const SlotBits& old, const SlotBits& nodes, uint32_t more, ui
 
 // How many have gone.
 template <class Rest>
-uint32_t eraseEntries(const SlotBits& old, const SlotBits& nodes, uint32_t count, uint32_t* bits, Rest* rest) {
+[[gnu::always_inline]] inline uint32_t eraseEntries(const SlotBits& old, const SlotBits& nodes, uint32_t count,
+                                                    uint32_t* bits, Rest* rest) {
   uint32_t gone = 0, at = 0;
   const auto moveUpTo = [&](uint32_t end) {
     for (; gone > 0 && at < end; ++at) {
@@ -81,30 +83,34 @@ uint32_t eraseEntries(const SlotBits& old, const SlotBits& nodes, uint32_t count
 }  // namespace
 
 void Frontier::enter(uint32_t number, const SlotBits& nodes, FrontierEntry blank) {
-  const uint32_t more = nodes.count();
-  if (more == 0) return;
-  EntryBlock& block = blocks_[number];
-  const uint32_t end = block.count;
-  pool_.reserve(block, end + more);
-  const SlotBits& old = page(number).on_frontier;
-  if (pool_.kind() == EntryKind::kSwept)
-    insertEntries(old, nodes, more, end, blank, pool_.bits(block), pool_.heights(block));
-  else
-    insertEntries(old, nodes, more, end, blank, pool_.bits(block), pool_.slacks(block));
-  block.count = static_cast<uint16_t>(end + more);
-  entries_ += more;
+  if (!nodes.any()) return;
+  runWithBitInstructions([&]() __attribute__((always_inline)) {
+    const uint32_t more = nodes.count();
+    EntryBlock& block = blocks_[number];
+    const uint32_t end = block.count;
+    pool_.reserve(block, end + more);
+    const SlotBits& old = page(number).on_frontier;
+    if (pool_.kind() == EntryKind::kSwept)
+      insertEntries(old, nodes, more, end, blank, pool_.bits(block), pool_.heights(block));
+    else
+      insertEntries(old, nodes, more, end, blank, pool_.bits(block), pool_.slacks(block));
+    block.count = static_cast<uint16_t>(end + more);
+    entries_ += more;
+  });
   nodes_.addToFrontier(number, nodes);
 }
 
 void Frontier::leave(uint32_t number, const SlotBits& nodes) {
-  EntryBlock& block = blocks_[number];
-  const SlotBits& old = page(number).on_frontier;
-  const uint32_t gone = pool_.kind() == EntryKind::kSwept
-                            ? eraseEntries(old, nodes, block.count, pool_.bits(block), pool_.heights(block))
-                            : eraseEntries(old, nodes, block.count, pool_.bits(block), pool_.slacks(block));
-  block.count = static_cast<uint16_t>(block.count - gone);
-  entries_ -= gone;
-  pool_.shrink(block);
+  runWithBitInstructions([&]() __attribute__((always_inline)) {
+    EntryBlock& block = blocks_[number];
+    const SlotBits& old = page(number).on_frontier;
+    const uint32_t gone = pool_.kind() == EntryKind::kSwept
+                              ? eraseEntries(old, nodes, block.count, pool_.bits(block), pool_.heights(block))
+                              : eraseEntries(old, nodes, block.count, pool_.bits(block), pool_.slacks(block));
+    block.count = static_cast<uint16_t>(block.count - gone);
+    entries_ -= gone;
+    pool_.shrink(block);
+  });
   nodes_.removeFromFrontier(number, nodes);
 }
 

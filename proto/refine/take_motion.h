@@ -7,12 +7,13 @@
 #include <bit>
 #include <cstdint>
 
-#if defined(__AVX2__)
+#if defined(__x86_64__)
 #include <immintrin.h>
 #elif defined(__wasm_simd128__)
 #include <wasm_simd128.h>
 #endif
 
+#include "base/vectors.h"
 #include "proto/refine/memory/entry_pool.h"
 #include "proto/refine/memory/slot_bits.h"
 #include "proto/refine/metric/motion_bound.h"
@@ -34,9 +35,10 @@ inline SlotBits takeMotionByScalars(const MotionBound& motion, uint32_t* slacks,
   return stale;
 }
 
-#if defined(__AVX2__)
+#if defined(FORELAND_AVX2)
 
-inline SlotBits takeMotion(const MotionBound& motion, uint32_t* slacks, const uint32_t* bits, uint32_t count) {
+FORELAND_AVX2 inline SlotBits takeMotionByAvx2(const MotionBound& motion, uint32_t* slacks, const uint32_t* bits,
+                                               uint32_t count) {
   static_assert(EntryPool::kVector == 8);
   // Both tables have four numbers, which the lower two bits of a lane choose from: a sensitivity.
   const __m256 fixed = _mm256_broadcast_ps(reinterpret_cast<const __m128*>(motion.fixed.data())),
@@ -57,9 +59,17 @@ inline SlotBits takeMotion(const MotionBound& motion, uint32_t* slacks, const ui
   return stale;
 }
 
+inline SlotBits takeMotion(const MotionBound& motion, uint32_t* slacks, const uint32_t* bits, uint32_t count,
+                           Vectors vectors = widestVectors()) {
+  return vectors >= Vectors::kAvx2 ? takeMotionByAvx2(motion, slacks, bits, count)
+                                   : takeMotionByScalars(motion, slacks, bits, count);
+}
+
 #elif defined(__wasm_simd128__)
 
-inline SlotBits takeMotion(const MotionBound& motion, uint32_t* slacks, const uint32_t* bits, uint32_t count) {
+inline SlotBits takeMotion(const MotionBound& motion, uint32_t* slacks, const uint32_t* bits, uint32_t count,
+                           Vectors vectors = widestVectors()) {
+  if (vectors == Vectors::kScalar) return takeMotionByScalars(motion, slacks, bits, count);
   static_assert(EntryPool::kVector % 4 == 0);
   // The bytes of one of four numbers, chosen by a sensitivity.
   const v128_t fixed = wasm_v128_load(motion.fixed.data()), per_distance = wasm_v128_load(motion.per_distance.data());
@@ -81,7 +91,8 @@ inline SlotBits takeMotion(const MotionBound& motion, uint32_t* slacks, const ui
 
 #else
 
-inline SlotBits takeMotion(const MotionBound& motion, uint32_t* slacks, const uint32_t* bits, uint32_t count) {
+inline SlotBits takeMotion(const MotionBound& motion, uint32_t* slacks, const uint32_t* bits, uint32_t count,
+                           Vectors = widestVectors()) {
   return takeMotionByScalars(motion, slacks, bits, count);
 }
 

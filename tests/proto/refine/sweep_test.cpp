@@ -56,8 +56,7 @@ class RandomPage {
   };
   void judge(double tolerance, Answers& answers) const {
     const Metric metric = domain_.metric(view_);
-    const Sweep::Found found = Sweep(domain_, metric, HiddenEntries::kLeave, tolerance)
-                                   .test(level_, first_, block_, bits_.data(), upper_.data());
+    const Sweep::Found found = sweep(metric, HiddenEntries::kLeave, tolerance, widestVectors());
     for (uint32_t i = 0; i < block_.count; ++i) {
       const auto rank = static_cast<uint8_t>(i);
       const FrontierEntry entry{bits_[i], upper_[i]};
@@ -69,7 +68,34 @@ class RandomPage {
     }
   }
 
+  // Whether all vectors that this processor has answer as one entry after another does, with some entries hidden or
+  // without a height, and others behind the last.
+  void compareVectors(Rng& rng) {
+    for (uint32_t i = 0; i < block_.count; ++i) {
+      const FrontierEntry entry{bits_[i], upper_[i]};
+      if (const uint64_t kind = rng.below(9); kind < 3)
+        set(i, FrontierEntry::swept(entry.low(), entry.bound(), static_cast<FrontierEntry::Stands>(kind),
+                                    FrontierEntry::kUnknown));
+    }
+    block_.count = static_cast<uint16_t>(rng.below(block_.count + 1u));
+    const Metric metric = domain_.metric(view_);
+    for (const auto hidden : {HiddenEntries::kLeave, HiddenEntries::kTest})
+      // With no tolerance more answers hang on the last bits.
+      for (const double tolerance : {0.0, 1.0}) {
+        const Sweep::Found expected = sweep(metric, hidden, tolerance, Vectors::kScalar);
+        for (const Vectors vectors : kAllVectors) {
+          if (vectors > widestVectors()) break;
+          const Sweep::Found found = sweep(metric, hidden, tolerance, vectors);
+          ASSERT_EQ(found.changed, expected.changed) << "vectors " << static_cast<int>(vectors);
+          ASSERT_EQ(found.unsure, expected.unsure) << "vectors " << static_cast<int>(vectors);
+        }
+      }
+  }
+
  private:
+  Sweep::Found sweep(const Metric& metric, HiddenEntries hidden, double tolerance, Vectors vectors) const {
+    return Sweep(domain_, metric, hidden, tolerance).test(level_, first_, block_, bits_.data(), upper_.data(), vectors);
+  }
   void lookAtIt(Rng& rng) {
     const NodeId n = grid_.pageNodes(level_, first_).at(static_cast<uint32_t>(rng.below(kPageSlots)));
     const Frame& frame = domain_.frame.transform().frame();
@@ -115,9 +141,12 @@ class RandomPage {
       const auto entry = FrontierEntry::swept(static_cast<uint8_t>(low), bound,
                                               static_cast<FrontierEntry::Stands>(rng.below(2)), height);
       heights_[block_.count] = height;
-      bits_[block_.count] = entry.bits;
-      upper_[block_.count++] = static_cast<uint8_t>(entry.rest);
+      set(block_.count++, entry);
     }
+  }
+  void set(uint32_t rank, FrontierEntry entry) {
+    bits_[rank] = entry.bits;
+    upper_[rank] = static_cast<uint8_t>(entry.rest);
   }
   // Of two heights with different results, by bisection; any other height where all that are tried have the same.
   int32_t heightAtTheEdge(const Metric& metric, uint8_t low, QuantisedError bound, Rng& rng) const {
@@ -170,6 +199,15 @@ TEST(Sweep, IsNeverSureOfWhatTheExactTestDenies) {
   EXPECT_EQ(answers.wrong, 0u) << "seed " << seed << ", " << answers.tests << " tests";
   RecordProperty("unsure", std::to_string(answers.unsure));
   if (asked) std::printf("%zu tests, %zu unsure\n", size_t{answers.tests}, size_t{answers.unsure});
+}
+
+TEST(Sweep, AnswersTheSameByAllVectors) {
+  const uint64_t seed = testing::UnitTest::GetInstance()->random_seed();
+  for (uint64_t round = 0; round < 2000; ++round) {
+    Rng rng((seed << 32) + round);
+    RandomPage(rng).compareVectors(rng);
+    ASSERT_FALSE(testing::Test::HasFatalFailure()) << "seed " << seed << ", round " << round;
+  }
 }
 
 // So the nodes are where it matters: about one page in three thousand has one whose rounding errors agree that well.
