@@ -192,7 +192,7 @@ TEST_P(FrontierMemory, IsThatOfItsEntriesAndGivenBack) {
 }
 
 INSTANTIATE_TEST_SUITE_P(OfBothKinds, FrontierMemory, testing::Values(EntryKind::kSlack, EntryKind::kSwept),
-                         [](const auto& info) { return info.param == EntryKind::kSlack ? "Slack" : "Swept"; });
+                         [](const auto& kind) { return kind.param == EntryKind::kSlack ? "Slack" : "Swept"; });
 
 TEST(FrontierEntry, KeepsHeightsOfScenesInFiveBytes) {
   using Stands = FrontierEntry::Stands;
