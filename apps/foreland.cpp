@@ -94,35 +94,6 @@ int refuseMissing(const std::string& name) {
   return kUsageError;
 }
 
-#ifdef FORELAND_LEVEL  // absent where any processor will do, and for a kind of processor that is no level
-// Asked feature by feature, because clang 14, which lints, knows no levels by name.
-bool hasLevel(std::string_view level) {
-  const bool has_v2 = __builtin_cpu_supports("sse4.2") && __builtin_cpu_supports("popcnt");
-  const bool has_v3 = has_v2 && __builtin_cpu_supports("avx2") && __builtin_cpu_supports("bmi") &&
-                      __builtin_cpu_supports("bmi2") && __builtin_cpu_supports("fma");
-  const bool has_v4 = has_v3 && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") &&
-                      __builtin_cpu_supports("avx512cd") && __builtin_cpu_supports("avx512dq") &&
-                      __builtin_cpu_supports("avx512vl");
-  return level == "x86-64-v2" ? has_v2 : level == "x86-64-v3" ? has_v3 : has_v4;
-}
-#endif
-
-// Whether this processor, and the system, have the level of x86-64 that the subcommands were compiled for. Says what to
-// do if not.
-bool canRunHere() {
-#ifdef FORELAND_LEVEL
-  if (hasLevel(FORELAND_LEVEL)) return true;
-  std::fputs(
-      "foreland: this processor lacks instructions that these programs use, which were compiled for " FORELAND_LEVEL
-      " (v3 has AVX2: most of Intel since 2013, of AMD since 2015); "
-      "build them with -DFORELAND_ARCH=x86-64, which suits every processor\n",
-      stderr);
-  return false;
-#else
-  return true;
-#endif
-}
-
 // Beside this program, or where it is installed; the first if it is nowhere.
 std::filesystem::path executableOf(const std::string& name, const std::filesystem::path& own_folder) {
   const std::filesystem::path beside = own_folder / ("foreland-" + name);
@@ -146,7 +117,6 @@ int execute(const std::string& program, const std::string& name, const std::vect
 
 int runSubcommand(const std::string& name, const std::vector<std::string>& arguments) {
   if (!isName(name)) return refuse("there is no subcommand", name);
-  if (!canRunHere()) return kUsageError;
   std::error_code error;
   const std::filesystem::path self = std::filesystem::read_symlink("/proc/self/exe", error);
   if (error) {

@@ -74,10 +74,10 @@ set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
 set(CPACK_DEBIAN_PACKAGE_MAINTAINER ${FORELAND_MAINTAINER})
 
 # deb822 has no longer lines than 80.
-set(needs "They need a 64-bit processor of Intel or AMD.")
+set(needs "Any processor of this architecture will do; AVX2 and AVX-512 are used where
+the processor has them.")
 if(FORELAND_ARCH)
-  set(needs "They need a processor of the level ${FORELAND_ARCH}, and say so where it is of a
-lower one; v3 has AVX2, as most of Intel have since 2013, of AMD since 2015.")
+  set(needs "They were compiled for processors of the kind ${FORELAND_ARCH}.")
 endif()
 set(CPACK_DEBIAN_FORELAND_PACKAGE_NAME foreland)
 set(CPACK_DEBIAN_FORELAND_DESCRIPTION "streams terrain to remote viewers, keyframe by keyframe

@@ -17,6 +17,7 @@ FlightJudgement FlightJudge::judge(const FlightPiece& piece) {
 void FlightJudge::judgeKeyframe(const FlightPiece& piece, FlightJudgement& found) {
   const client::KeyframeMesh& mesh = *piece.mesh;
   found.keyframe = oracle_.error(mesh, 1, mesh.to.pose, piece.lens);
+  found.is_keyframe_over_tolerance = found.keyframe->max_px > mesh.to.frameTolerance() + kSlack_px;
   if (!piece.keyframe->exact) return;
   const DrawnShare newest{.mesh = &mesh, .weight = 1}, exact{.mesh = piece.keyframe->exact->mesh(section_at_).get()};
   found.extrapolation = oracle_.terrain().difference({&newest, 1}, {&exact, 1}, piece.keyframe->true_pose, piece.lens);
@@ -27,7 +28,7 @@ void FlightJudge::judgeFrame(const FlightPiece& piece, FlightJudgement& found) {
   found.shown = oracle_.error(*piece.mesh, frame.weight, frame.pose, piece.lens);
   found.weight = frame.weight;
   found.is_outside = frame.is_outside;
-  found.is_over_tolerance = found.shown->max_px > piece.mesh->to.frameTolerance() + kSlack_px;
+  found.is_over_tolerance = found.shown->max_px > frame.tolerance_px + kSlack_px;
   if (frame.terms) measureTerms(piece, *frame.terms, found);
 }
 

@@ -42,6 +42,7 @@ struct FlightPiece {
   struct Frame {
     double weight = 0;
     proto::Pose pose;
+    double tolerance_px = 0;  // that it states; outside of a region, that of the keyframe it leads to
     bool is_outside = false;  // of the region of a keyframe that is shown
     std::optional<Terms> terms{};
   };
@@ -62,7 +63,8 @@ struct FlightJudgement {
   std::optional<Deviation> extrapolation{}, interpolation{}, view{}, motion{};
   double weight = 0;                                   // of the frame shown
   bool is_outside = false, is_over_tolerance = false;  // of the frame shown
-  std::vector<double> moved_px{};                      // by each vertex that moves, in a 60th of a second
+  bool is_keyframe_over_tolerance = false;
+  std::vector<double> moved_px{};  // by each vertex that moves, in a 60th of a second
 };
 
 // What one thread judges with.

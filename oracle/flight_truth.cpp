@@ -70,6 +70,7 @@ class Measurement {
     if (truth_.cracks == 0) truth_.first_crack = found.cracks.first;
     truth_.cracks += found.cracks.cracks;
     if (found.keyframe) truth_.keyframes.add(*found.keyframe), addObjects(*found.keyframe);
+    truth_.keyframes_over_tau += found.is_keyframe_over_tolerance;
     if (found.extrapolation) truth_.extrapolation.add(*found.extrapolation);
     if (found.shown) addFrame(found);
     if (found.interpolation) truth_.interpolation.add(*found.interpolation);
@@ -130,7 +131,11 @@ class Measurement {
 
   void takeFrame(const Player& player, Time now, FlightPiece& piece) {
     const client::FrameView& view = player.view();
-    piece.shown = {view.weight, view.pose, std::isinf(view.tolerance_px), {}};
+    const bool is_outside = std::isinf(view.tolerance_px);
+    piece.shown = {.weight = view.weight,
+                   .pose = view.pose,
+                   .tolerance_px = is_outside ? view.mesh->to.frameTolerance() : view.tolerance_px,
+                   .is_outside = is_outside};
     if (isTurn(terms_of_frames_)) piece.shown->terms = termsOf(player, now);
   }
 

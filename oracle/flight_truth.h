@@ -67,10 +67,10 @@ struct FlightTruth {
   double object_interior_error_px = 0, object_interior_per_tau = 1;  // the same; its tolerance, as a multiple of tau
   uint64_t object_vertices_judged = 0;
   double delay_max_ms = 0, delay_mean_ms = 0;
-  uint64_t frames_over_tau = 0;                   // of those measured
-  uint64_t outside_measured = 0;                  // of those measured, frames that no region covers
-  uint64_t outside_over_tau = 0;                  // of these, those over tau
-  double outside_p99_px = 0, outside_max_px = 0;  // their errors
+  uint64_t keyframes_over_tau = 0, frames_over_tau = 0;  // of those measured, over the tolerance that each states
+  uint64_t outside_measured = 0;                         // of those measured, frames that no region covers
+  uint64_t outside_over_tau = 0;                         // of these, those over tau
+  double outside_p99_px = 0, outside_max_px = 0;         // their errors
   uint64_t uncovered_samples = 0;  // seen, but drawn by no triangle: samples of the terrain, vertices of objects
   uint64_t cracks = 0;
   std::string first_crack;
@@ -89,6 +89,7 @@ struct FlightTruth {
     visit("measure_every", frame_every);
     visit("measure_keyframes_every", keyframe_every);
     visit("weights_judged", weights_judged);
+    visit("keyframes_over_tau", keyframes_over_tau);
     visit("frames_over_tau", frames_over_tau);
     visit("measured_frames_outside", outside_measured);
     visit("outside_frames_over_tau", outside_over_tau);

@@ -1,8 +1,10 @@
 #!/usr/bin/env bash
 # The one list of Debian packages, in groups; installs those of the named groups that are missing. Says nothing and needs no
 # network when none is. Groups: build (the programs), page (WebAssembly module and web page), test (what ./check adds),
-# package (what makes and tests Debian's packages). The site of the documents (tools/make_site.sh) needs test's mkdocs.
-# With --check as the first word nothing is installed; exits 1 if something is missing.
+# package (what makes and tests Debian's packages), processors (compiler and emulator of others). The site of the documents
+# (tools/make_site.sh) needs test's mkdocs.
+# With --check as the first word nothing is installed; exits 1 if something is missing. --libraries alone prints which of build's and
+# test's packages another processor's programs and tests are built with (tools/make_sysroot.sh).
 set -euo pipefail
 
 readonly build_packages=(
@@ -21,11 +23,12 @@ readonly build_packages=(
   zlib1g-dev libbrotli-dev libmeshoptimizer-dev libdraco-dev libseccomp-dev
 )
 readonly page_packages=(clang-19 lld-19 llvm-19 wasi-libc libc++-19-dev-wasm32 libclang-rt-19-dev-wasm32)
-readonly test_packages=(curl openssl libsdl2-dev libgl-dev libgl1-mesa-dri xvfb xauth pkg-config clang-format clang-tidy clang-19 libclang-rt-19-dev libgtest-dev librapidcheck-dev haproxy nginx-light caddy chromium fonts-dejavu-core man-db mkdocs mkdocs-material)
+readonly test_packages=(curl openssl libsdl2-dev libgl-dev libgl1-mesa-dri xvfb xauth pkg-config clang-format clang-tidy clang-19 libclang-rt-19-dev libgtest-dev librapidcheck-dev proj-bin haproxy nginx-light caddy chromium fonts-dejavu-core man-db mkdocs mkdocs-material)
 readonly package_packages=(dpkg-dev file lintian debootstrap systemd qemu-user)
+readonly processors_packages=(g++-aarch64-linux-gnu qemu-user)
 
 usage() {
-  echo "usage: tools/install_packages.sh [--check] GROUP...   (groups: build page test package)" >&2
+  echo "usage: tools/install_packages.sh [--check] GROUP...   (groups: build page test package processors)" >&2
   exit 2
 }
 
@@ -49,6 +52,11 @@ asRoot() {
   fi
 }
 
+if [[ "${1:-}" == --libraries ]]; then
+  printf '%s\n' "${build_packages[@]}" libgtest-dev librapidcheck-dev | grep -E -- '-dev$'
+  exit
+fi
+
 only_check=no
 if [[ "${1:-}" == --check ]]; then only_check=yes; shift; fi
 [[ $# -gt 0 ]] || usage
@@ -59,6 +67,7 @@ for group in "$@"; do
     page) wanted+=("${page_packages[@]}"); hasNode || wanted+=(nodejs npm) ;;
     test) wanted+=("${test_packages[@]}") ;;
     package) wanted+=("${package_packages[@]}") ;;
+    processors) wanted+=("${processors_packages[@]}") ;;
     *) usage ;;
   esac
 done

@@ -111,7 +111,8 @@ gaps the median, the 99th percentile and the longest (longest_gap_p50_ms, longes
 With --truth SCENE, measured after landing on a replay of the flight:
   max_error_px_keyframes        each keyframe's section seen from the pose it was computed for (geomorphs: as it is
                                 drawn at its time)
-  max_error_px_frames           frames as they were drawn, one in --truth-every; frames_over_tau counts those above tolerance
+  max_error_px_frames           frames as they were drawn, one in --truth-every
+  keyframes_over_tau, frames_over_tau   those above the tolerance that they state
   measured_frames, measured_keyframes   how many were judged
   outside_error_p99_px, outside_error_max_px, outside_frames_over_tau   of measured_frames_outside of these, which were outside
                                 of a keyframe's region

@@ -59,16 +59,7 @@ ForelandUpdate updateOf(const MeshUpdate& update) {
           .objects = partOf(update.objects)};
 }
 
-#if defined(__x86_64__) && defined(__AVX2__)
-bool hasInstructions() { return __builtin_cpu_supports("avx2") != 0; }
-#else
-bool hasInstructions() { return true; }
-#endif
-
 ForelandStatus open(const char* server, const ForelandOptions* options, ForelandTerrain** out) {
-  if (!hasInstructions())
-    return refuse(FORELAND_UNSUPPORTED,
-                  "This processor lacks AVX2, for which the library was built: build it with -DFORELAND_ARCH=x86-64.");
   if (options != nullptr && !hasSize(options)) return refuse(FORELAND_ARGUMENT, kNoSize);
   const auto url = parseWebSocketUrl(server);
   if (!url.ok()) return refuse(url.error());

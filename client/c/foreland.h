@@ -32,9 +32,6 @@
  * (FORELAND_INIT does both). A library that is newer reads and writes so many bytes and no more, so a host that was
  * compiled with an older header goes on working. FORELAND_ABI changes when that does not hold, and with it the name of
  * the shared library. All members have sizes that do not depend on the compiler.
- *
- * A processor with AVX2 is needed where the library was built for it, as Debian's is; elsewhere foreland_open() says
- * so.
  */
 #ifndef FORELAND_H
 #define FORELAND_H

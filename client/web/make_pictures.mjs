@@ -44,7 +44,7 @@ async function untilWhole(page) {
 }
 
 async function look(browser, server, view, size) {
-  const { page, close } = await openPage(browser, size);
+  const { page, close } = await openPage(browser, { ...size, is_first_visit: true });
   try {
     if (view.above !== undefined) {
       await page.goto(addressOf({ ...view, height: 3000 }, server));

@@ -4,6 +4,8 @@
 #include <bit>
 #include <cmath>
 
+#include "base/bit_instructions.h"
+#include "base/vectors.h"
 #include "proto/codec/symbols.h"
 
 namespace foreland::proto {
@@ -38,7 +40,7 @@ class LevelCoder {
 
   // An encoder passes the decisions, a decoder gets them. The contexts of some nodes are looked up before the first of
   // them is coded, so that their look-ups wait for memory together.
-  void codeDecisions(std::span<const Predicate> predicates, std::span<uint8_t> decisions) {
+  [[gnu::always_inline]] void codeDecisions(std::span<const Predicate> predicates, std::span<uint8_t> decisions) {
     cached_contexts_.clear();
     constexpr size_t kAhead = 64;
     std::array<Records, kAhead> records;
@@ -164,15 +166,22 @@ QuantisedRadius DeltaEncoder::radius(Slot first) {
 }
 
 void DeltaEncoder::load(TerrainBatch& batch) {
-  for (size_t i = 0; i < batch.count; ++i) batch.setRecord(i, nodes_.at(batch.slot[i]));
+  runLoop<Vectors::kAvx2>(
+      widestVectors(), batch.count, [&](size_t begin, size_t end) __attribute__((always_inline)) {
+        const DenseNodes nodes = nodes_;
+        TerrainBatch& b = batch;
+        for (size_t i = begin; i < end; ++i) b.setRecord(i, nodes.at(b.slot[i]));
+      });
 }
 
 bool DeltaEncoder::decide(int level, std::span<const Predicate> predicates, std::span<uint8_t> decisions) {
   const double before = coder_.bits();
   LevelCoder<RangeEncoder, DenseNodes> level_coder(domain_, nodes_, model_, coder_, cached_contexts_, level);
-  for (size_t i = 0; i < predicates.size(); ++i)
-    decisions[i] = nodes_.at(predicates[i].slot).error() >= predicates[i].least ? 1 : 0;
-  level_coder.codeDecisions(predicates, decisions);
+  runWithBitInstructions([&]() __attribute__((always_inline)) {
+    for (size_t i = 0; i < predicates.size(); ++i)
+      decisions[i] = nodes_.at(predicates[i].slot).error() >= predicates[i].least ? 1 : 0;
+    level_coder.codeDecisions(predicates, decisions);
+  });
   bits_.decisions += coder_.bits() - before;
   bits_.asked += predicates.size();
   return true;

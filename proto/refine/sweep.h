@@ -3,15 +3,17 @@
 // as it was, surely changed, or unsure; only the unsure are tested exactly (terrain_batch.h), a few of a hundred
 // thousand. So the answers that count are those of the exact test, on any machine.
 //
-// docs/decisions/0003-adaptation.md derives the tolerance. The arithmetic is plain floating point in a fixed order,
-// which compilers turn into whatever vector instructions they are told to use, with the same bits. Immutable while a
-// view lasts; any thread.
+// docs/decisions/0003-adaptation.md derives the tolerance. The arithmetic is plain floating point in a fixed order, for
+// whatever vector instructions there are (base/vectors.h), with the same bits. Immutable while a view lasts; any
+// thread.
 #pragma once
 
 #include <array>
 #include <cstdint>
 
-#include "proto/refine/frontier.h"
+#include "base/vectors.h"
+#include "proto/refine/memory/entry_pool.h"
+#include "proto/refine/memory/slot_bits.h"
 #include "proto/refine/metric/metric.h"
 #include "proto/refine/metric/terrain_domain.h"
 
@@ -29,12 +31,10 @@ class Sweep {
   struct Found {
     SlotBits changed, unsure;
   };
-  // `heights` and `entries` are the page's, in whole vectors (EntryPool::kVector). O(entries).
-  Found test(int level, const FrontierPage& page, const float* heights, const FrontierEntry* entries) const;
-
-  // The height of a node's sphere as entries keep it. Not a number, which makes entries unsure, where it has no exact
-  // float within what the tolerance is derived for.
-  static float heightOf(int32_t quanta);
+  // `first` is the page's first slot. `bits` and `heights` are columns of its entries, in whole vectors
+  // (EntryPool::kVector). O(entries).
+  Found test(int level, Slot first, const EntryBlock& block, const uint32_t* bits, const uint8_t* heights,
+             Vectors vectors = widestVectors()) const;
 
  private:
   static constexpr size_t kRows = 5;  // to the right, up, depth, east, north, of a position relative to the eye
@@ -45,16 +45,16 @@ class Sweep {
     float radius, tolerance;                            // R in the metric's letters; what every tolerance has
   };
   template <bool kSides>
-  Found testAll(const Place& place, const float* heights, const FrontierEntry* entries, uint32_t count) const;
-  Place placeOf(int level, const FrontierPage& page) const;
+  struct Loop;
+  Place placeOf(int level, Slot first, QuantisedRadius radius) const;
 
   const TerrainDomain& domain_;
   const HiddenEntries hidden_;
   std::array<std::array<double, 4>, kRows> row_;      // PlanarPositions, from the eye's height in quanta
   double region_radius_, step_x_, step_y_, quantum_;  // metres; steps are of the lattice
   double tolerance_;
-  // As the kernel takes them.
-  struct {
+  // As the loop takes them.
+  struct Constants {
     std::array<float, 3> up;  // what a quantum of height adds to the first rows
     float eye_height, cos_angle, sin_angle, cos_corner, inverse_cos_corner, sin_x, cos_x, sin_y, cos_y, focal_over_tau,
         any_direction;

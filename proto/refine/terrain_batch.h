@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 
+#include "base/vectors.h"
 #include "proto/refine/memory/entry_pool.h"
 #include "proto/refine/metric/metric.h"
 #include "proto/refine/metric/motion_bound.h"
@@ -12,18 +13,10 @@
 
 namespace foreland::proto {
 
-// Which instructions a batch's loops use. Results are the same, bit for bit.
-enum class Vectors : uint8_t {
-  kBuilt,  // those that the program is built for
-  kWide,   // AVX-512, only where the processor has it
-};
-
 struct TerrainBatch {
   using Domain = TerrainDomain;
   static constexpr size_t kSize = 256;
   static constexpr uint16_t kNonePasses = 256;
-  // The widest that the processor has.
-  static Vectors widestVectors();
 
   size_t count = 0;
   std::array<Slot, kSize> slot;
@@ -61,16 +54,19 @@ struct TerrainBatch {
     recorded[i] = record.error();
   }
 
-  void test(const TerrainDomain& domain, const Metric& metric);
+  void test(const TerrainDomain& domain, const Metric& metric, Vectors vectors = widestVectors());
 
   // Computes the nodes' positions, which the functions below need.
-  void locate(const TerrainDomain& domain, const Metric& metric);
+  void locate(const TerrainDomain& domain, const Metric& metric, Vectors vectors = widestVectors());
   void findLeast(const Metric& metric, Vectors vectors = widestVectors());
   // `motion` is the step's: the sensitivity of each result is the one that lasts longest at its pace.
   void testWithSlack(const Metric& metric, const MotionBound& motion, Vectors vectors = widestVectors());
 
  private:
   struct Loops;
+  // Calls use(positions) with those of a frame of this domain's kind.
+  template <class Use>
+  static void withPositions(const TerrainDomain& domain, const Metric& metric, const Use& use);
   NodePosition position(size_t i) const { return {{right_[i], up_[i], depth_[i]}, horizontal_[i]}; }
   void lookUpErrors() {
     for (size_t i = 0; i < count; ++i) error[i] = bound[i].metres();

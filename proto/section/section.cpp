@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <string>
 
+#include "base/vectors.h"
+
 namespace foreland::proto {
 
 bool contains(const Section& section, Slot slot) {
@@ -64,7 +66,13 @@ uint32_t fingerprint(Slot slot) {
 
 uint32_t fingerprint(std::span<const Slot> slots) {
   uint32_t sum = 0;
-  for (Slot slot : slots) sum += fingerprint(slot);
+  runLoop<Vectors::kAvx2>(
+      widestVectors(), slots.size(), [&](size_t begin, size_t end) __attribute__((always_inline)) {
+        const Slot* const all = slots.data();
+        uint32_t part = 0;
+        for (size_t i = begin; i < end; ++i) part += fingerprint(all[i]);
+        sum += part;
+      });
   return sum;
 }
 

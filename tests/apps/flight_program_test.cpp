@@ -26,7 +26,8 @@ constexpr const char* kFlightKeys =
 constexpr const char* kReplayKeys = "shown_frames sections_hash drawn_hash recording_is_whole same_sections same_drawn";
 constexpr const char* kTruthKeys =
     "max_error_px_keyframes mean_error_px_keyframes max_error_px_frames mean_error_px_frames "
-    "rms_error_px_frames measured_keyframes measured_frames measure_every weights_judged frames_over_tau "
+    "rms_error_px_frames measured_keyframes measured_frames measure_every weights_judged keyframes_over_tau "
+    "frames_over_tau "
     "measured_frames_outside outside_error_p99_px outside_error_max_px cracks uncovered_samples "
     "object_vertices_judged object_silhouette_error_px object_interior_error_px object_interior_per_tau "
     "interpolation_error_max_px interpolation_error_mean_px interpolation_error_rms_px "

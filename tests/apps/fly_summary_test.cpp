@@ -107,6 +107,9 @@ TEST(FlySummary, SaysWhatTheJudgeFound) {
   expectProblem(s, {"3 of 120 judged frames", "--record"});
   s.blend = client::Blend::kGeomorph;
   expectProblem(s, {"3 of 120 judged frames", "--blend keyframe"});
+  s.truth = goodTruth();
+  s.truth->keyframes_over_tau = 1;
+  expectProblem(s, {"1 of ", "judged keyframes", "--record"});
 }
 
 // A camera that leaves the regions exceeds the tolerance there, which is no fault; that it leaves them is told.

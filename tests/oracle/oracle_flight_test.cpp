@@ -4,6 +4,7 @@
 #include "client/fly/recorded_path.h"
 #include "client/fly/recording.h"
 #include "client/mesh/weights/morph_timing.h"
+#include "oracle/flight_piece.h"
 #include "tests/oracle/virtual_flight.h"
 #include "tests/support/files.h"
 
@@ -46,6 +47,41 @@ TEST(Flight, TellsTheErrorsOfFramesOutsideOfRegionsApart) {
   EXPECT_GT(truth.outside_max_px, 1);
   EXPECT_GE(truth.outside_max_px, truth.outside_p99_px);
   EXPECT_EQ(truth.outside_max_px, truth.frames.max_px);
+}
+
+// A frame between two keyframes states the coarser one's tolerance, a keyframe its own.
+TEST(Flight, JudgesFramesAndKeyframesByWhatEachStates) {
+  const Flight flight = flown(tourOptions(proto::Strategy::kPredict));
+  SceneOracle oracle(truthOf(alps()));
+  FlightPiece piece;
+  piece.shape = alps()->grid().shape();
+  piece.lens = flight.player.log().options.request.lens;
+  client::replay(flight.player.log(), [&](const client::Player& player, Time) {
+    if (!player.view().mesh || player.view().weight == 0) return true;
+    piece.mesh = std::make_shared<client::KeyframeMesh>(*player.view().mesh);
+    piece.shown = FlightPiece::Frame();
+    piece.shown->pose = player.view().pose;
+    return false;
+  });
+  ASSERT_TRUE(piece.mesh);
+  const double error_px = FlightJudge(oracle, {}).judge(piece).shown->max_px;
+  ASSERT_GT(error_px, 0.1);
+  piece.keyframe.emplace();
+  for (const double finer : {0.5, 2.0}) {
+    client::KeyframeMesh mesh = *piece.mesh;
+    mesh.to.tau_px = static_cast<float>(finer * error_px);
+    piece.mesh = std::make_shared<client::KeyframeMesh>(mesh);
+    piece.shown->tolerance_px = 1.5 * error_px;
+    EXPECT_FALSE(FlightJudge(oracle, {}).judge(piece).is_over_tolerance);
+    piece.shown->tolerance_px = 0.9 * error_px;
+    EXPECT_TRUE(FlightJudge(oracle, {}).judge(piece).is_over_tolerance);
+  }
+  client::KeyframeMesh mesh = *piece.mesh;
+  for (const bool is_over : {true, false}) {
+    mesh.to.tau_px = is_over ? 0.01f : 4.0f;
+    piece.mesh = std::make_shared<client::KeyframeMesh>(mesh);
+    EXPECT_EQ(FlightJudge(oracle, {}).judge(piece).is_keyframe_over_tolerance, is_over);
+  }
 }
 
 TEST(Flight, OverASceneWithObjectsKeepsTheirTolerancesToo) {

@@ -7,11 +7,14 @@ import { CardLoss } from './app/card_loss';
 import { Steering } from './app/steering';
 import { Picture, type Shot } from './draw/picture';
 import { ColourMaps, takeFiles } from './ui/colour_maps';
+import { Compass } from './ui/compass';
 import { Controls } from './ui/controls';
 import { wordsOf } from './ui/failure_words';
+import { boundTo } from './ui/form';
 import { Guard } from './ui/guard';
 import { Hint } from './ui/hint';
 import { KeptAddress, queryText } from './ui/kept_address';
+import { MeasureControl } from './ui/measure_control';
 import { showNotice, type Notice } from './ui/notice';
 import { Panel } from './ui/panel';
 import { PredictionCheck } from './ui/prediction_check';
@@ -22,6 +25,7 @@ import { kLens, type Address, type Settings, type Tour } from './ui/settings';
 import { SightControl } from './ui/sight_control';
 import { sunDirection } from './ui/sun';
 import { Tours } from './ui/tours';
+import { wordsOnMoving } from './ui/welcome_words';
 import { reasonOf } from './ui/words';
 
 function byId(id: string): HTMLElement {
@@ -43,9 +47,12 @@ export class App {
   private readonly steering = new Steering(new Controls(this.canvas), this.tours);
   private readonly scene_time = new SceneTime(byId('time'), (at, ms_rate) => this.terrain?.setSceneTime({ at, rate: ms_rate }));
   private readonly card_loss = new CardLoss((work) => this.guard.run(work), () => this.drawAgain());
-  private readonly sight = new SightControl({
-    picture: () => this.picture, terrain: () => this.terrain, sceneTime: () => this.scene_time_ms, say: (text) => this.hint.show(text),
-  });
+  private readonly stage = {
+    picture: () => this.picture, terrain: () => this.terrain, sceneTime: () => this.scene_time_ms, say: (text: string) => this.hint.show(text),
+  };
+  private readonly sight = new SightControl(this.stage);
+  private readonly measure_control = new MeasureControl(byId('tools'), byId('measure'), this.stage);
+  private readonly compass = new Compass(byId('compass'), () => this.guard.run(() => this.turnNorth()));
   private readonly panel: Panel;
   private readonly settings: Settings;
   private picture: Picture;
@@ -64,7 +71,10 @@ export class App {
     this.picture = this.newPicture();
     this.steering.controls.onTakeOver = () => this.guard.run(() => this.tours.current && this.chooseTour(null));
     const file = document.createElement('input');
-    this.panel = new Panel(byId('panel'), this.settings, this.colour_maps.names, file, () => this.guard.run(() => this.applySettings()));
+    const { controls } = this.steering;
+    this.panel = new Panel(byId('panel'), this.settings, this.colour_maps.names, file, boundTo(controls, 'speed_mps'),
+      () => this.guard.run(() => this.applySettings()));
+    controls.onSpeed = () => this.guard.run(() => this.panel.showChoices());
     takeFiles(file, (name, text) => this.guard.run(() => this.addColours(name, text)),
       (reason) => this.guard.run(() => this.refuseColours(reason)));
     if (address.is_recorded) this.panel.addButton('Save the recording', 'save', () => void this.saveRecording());
@@ -76,8 +86,6 @@ export class App {
     this.resize();
     this.showConnecting();
     this.beginDrawing();
-    this.hint.show(kIsPhone ? 'One finger looks, two fingers fly'
-      : 'Drag to look \u00b7 W A S D to fly \u00b7 E Q up and down \u00b7 wheel sets the speed \u00b7 shift-click and V show what is seen');
   }
 
   // For tests, and for anyone who opens the console.
@@ -99,6 +107,7 @@ export class App {
       scene_time_ms: this.scene_time_ms,
       ...this.terrain?.stats,
       ...this.sight.status(),
+      ...this.measure_control.status(),
     };
   }
 
@@ -147,13 +156,14 @@ export class App {
     this.scene = scene;
     this.picture.setScene(scene);
     this.showColours();
-    this.panel.setScene(scene.heights.lowest, scene.heights.highest, scene.maxMoved, scene.frame === 'geographic');
     this.applyLook();
     this.scene_time.setEpochs(scene.epochs);
     byId('scene-title').textContent = scene.title;
     document.title = `${scene.title} \u00b7 Foreland`;
+    if (is_first) this.steering.enter(scene, this.address.view);
+    this.panel.setScene(scene);
     if (!is_first) return;
-    this.steering.enter(scene, this.address.view);
+    this.hint.show(wordsOnMoving(kIsPhone));
     this.kept_address.begin(queryText(this.addressHere()));
   }
 
@@ -228,6 +238,7 @@ export class App {
     this.showColours();
     if (before.frozen_view.pose) this.freezeAt(before.frozen_view.pose);
     this.sight.show();
+    this.measure_control.show();
     this.mesh = null;
     this.resize();
     if (this.scene) notify(null);
@@ -318,6 +329,11 @@ export class App {
     if (is_sized && !this.terrain) this.connect();
   }
 
+  private turnNorth(): void {
+    if (this.tours.current) this.chooseTour(null);
+    this.steering.controls.look.heading = 0;
+  }
+
   // ---- a frame
 
   private draw(now_ms: number): void {
@@ -346,6 +362,7 @@ export class App {
   private measure(now_ms: number, frame: Frame, position: Place | null): void {
     const { controls } = this.steering;
     const predicts = this.settings.strategy === 'predict';
+    this.compass.update({ now_ms, heading_rad: controls.look.heading, pixelAtGround_m: () => this.picture.pixelAtGround_m() });
     this.readout.update({
       now_ms,
       statistics: this.terrain!.stats,

@@ -1,13 +1,21 @@
 // What tests of the page need beside what tests of the client do: the page, dist/, and what it says of itself.
 import { join, resolve } from 'node:path';
 import { createServer } from 'vite';
-import { root, startServer as startServerOf } from '../../js/tests/support.mjs';
+import { openPage as openPageOf, root, startServer as startServerOf } from '../../js/tests/support.mjs';
 
 export * from '../../js/tests/support.mjs';
 export const page_folder = resolve(import.meta.dirname, '../dist');
 
 // As the client's tests start it, with the page.
 export const startServer = (scene, port = 0, more = [], web = page_folder) => startServerOf(scene, port, more, web);
+
+// As the client's tests open it, with what the page remembers of who has opened its laboratory and all of its readout, or of nobody.
+export async function openPage(browser, { is_first_visit = false, ...options } = {}) {
+  const opened = await openPageOf(browser, options);
+  if (!is_first_visit)
+    await opened.page.addInitScript(() => ['visited', 'laboratory', 'readout'].forEach((name) => localStorage.setItem(`foreland.${name}`, '1')));
+  return opened;
+}
 
 // Loads modules of the page's sources without a browser. `fresh()` makes them be evaluated anew.
 export async function openSources() {

@@ -15,6 +15,13 @@ namespace {
 constexpr uint32_t kLongest = 12;  // bits of a code word
 constexpr int kCodeBits = 2;
 
+// In a byte. Not every processor has an instruction for it.
+constexpr std::array<uint8_t, 256> kOnes = [] {
+  std::array<uint8_t, 256> ones{};
+  for (uint32_t byte = 0; byte < 256; ++byte) ones[byte] = static_cast<uint8_t>(std::popcount(byte));
+  return ones;
+}();
+
 // A canonical prefix code of bytes whose words are as long for all bytes of as many ones (Schwartz and Kallick 1964).
 struct ByteCode {
   std::array<uint8_t, 9> lengths;                  // by the number of ones
@@ -35,7 +42,7 @@ struct ByteCode {
         bytes[rank++] = static_cast<uint8_t>(byte);
       }
   }
-  int lengthOf(uint32_t byte) const { return lengths[static_cast<size_t>(std::popcount(byte))]; }
+  int lengthOf(uint32_t byte) const { return lengths[kOnes[byte]]; }
 };
 
 // For bytes of any kind, mostly zeros, some of both, mostly ones. Made at the first use: the page's module is small.

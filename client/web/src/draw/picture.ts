@@ -5,6 +5,7 @@ import * as THREE from 'three';
 import { kLens, type Settings } from '../ui/settings';
 import { FrozenView } from './frozen_view';
 import { pageMaterials } from './materials';
+import { MeasureLine } from './measure_line';
 import { ShadeProbe } from './shade_probe';
 import { SightLines } from './sight_lines';
 import { Sky } from './sky';
@@ -25,6 +26,7 @@ export class Picture {
   readonly renderer: THREE.WebGLRenderer;
   readonly frozen_view = new FrozenView();
   readonly sight_lines = new SightLines();
+  readonly measure_line = new MeasureLine();
   readonly viewshed_drape = new ViewshedDrape();
   readonly up = new THREE.Vector3(0, 0, 1); // at the camera's eye
   ground: ForelandTerrain | null = null;
@@ -41,7 +43,7 @@ export class Picture {
   constructor(private readonly canvas: HTMLCanvasElement, private readonly anisotropy: number | null) {
     this.renderer = new THREE.WebGLRenderer({ canvas, antialias: true, powerPreference: 'high-performance' });
     this.renderer.autoClear = false;
-    this.scene.add(this.sky.object, this.frozen_view.object, this.sight_lines.object);
+    this.scene.add(this.sky.object, this.frozen_view.object, this.sight_lines.object, this.measure_line.object);
   }
 
   // Shows a terrain; once.
@@ -153,6 +155,14 @@ export class Picture {
     const { left, top, width, height } = this.canvas.getBoundingClientRect();
     const at = new THREE.Vector3((2 * (x - left)) / width - 1, 1 - (2 * (y - top)) / height, 0.5);
     return at.unproject(this.camera).sub(this.camera.position).normalize().toArray();
+  }
+
+  // Metres across a pixel of the window, on a plane towards the ground that is held in the middle of the view; null where there is none.
+  pixelAtGround_m(): number | null {
+    const { left, top, width, height } = this.canvas.getBoundingClientRect();
+    const point = this.ground?.terrain.raycast(this.eye, this.directionAt(left + width / 2, top + height / 2));
+    if (!point) return null;
+    return (2 * Math.tan(kLens.fov_rad / 2) * Math.hypot(...this.eye.map((v, i) => point[i]! - v))) / height;
   }
 
   // ---- for tests

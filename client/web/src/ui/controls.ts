@@ -23,6 +23,7 @@ export class Controls {
   speed_mps = 150;
   clearance_m = kClearance_m;
   onTakeOver: () => void = () => {}; // the user steers
+  onSpeed: () => void = () => {}; // the user has chosen another speed, by the wheel
 
   private readonly velocity = new THREE.Vector3(); // right, ahead, up
   private stepped_m = 0; // in the last frame
@@ -144,6 +145,7 @@ export class Controls {
   private turnWheel(event: WheelEvent): void {
     event.preventDefault();
     this.speed_mps = Math.min(Math.max(this.speed_mps * 1.0012 ** -event.deltaY, 0.01), 20000);
+    this.onSpeed();
   }
 
   private key(event: KeyboardEvent): void {

@@ -1,4 +1,4 @@
-// A line of text over the scene that goes by itself: how to fly, and what is amiss but ends nothing.
+// Text over the scene that goes by itself: how to fly, and what is amiss but ends nothing. Lines end where the text says.
 const kShown_ms = 9000;
 
 export class Hint {

@@ -1,5 +1,8 @@
-// The small readout: what a frame costs, what the wire carries, how keyframes keep time, where the viewer is.
+// The small readout: where the viewer is, and how smoothly it is drawn. On a click: what a frame costs, what the wire carries, how
+// keyframes keep time.
 import type { Place, Scene, Statistics } from '@foreland/client';
+import { isRemembered, remember } from './remembered';
+import { metresText } from './words';
 
 const kWindow_ms = 2000; // over which rates are averaged
 const kRefresh_ms = 250;
@@ -23,7 +26,8 @@ export interface Measured {
 export class Readout {
   private readonly fields = new Map<string, HTMLElement>();
   private readonly bars: HTMLCanvasElement;
-  private readonly where = document.createElement('p');
+  private readonly where = document.createElement('span');
+  private readonly rate = document.createElement('span');
   private readonly history: number[] = [];
   private readonly samples: { at_ms: number; bytes: number; keyframes: number }[] = [];
   private frame_ms = 0;
@@ -31,7 +35,7 @@ export class Readout {
   private last_refresh_ms = 0;
   private last_eye: readonly number[] = [0, 0, 0];
 
-  constructor(root: HTMLElement) {
+  constructor(private readonly root: HTMLElement) {
     const list = document.createElement('dl');
     for (const name of ['Frame', 'Triangles', 'Stream', 'Keyframes', 'Lateness', 'Error', 'Relief', 'Imagery']) {
       const value = document.createElement('dd');
@@ -41,7 +45,25 @@ export class Readout {
     this.bars = Object.assign(document.createElement('canvas'), { width: 2 * 180, height: 2 * 26 });
     this.bars.setAttribute('aria-label', 'Kilobytes a second over the last fifteen seconds');
     this.where.className = 'where';
-    root.append(list, this.bars, this.where);
+    this.rate.className = 'rate';
+    root.append(list, this.bars, this.button());
+  }
+
+  // Shows the rest, or only where the viewer is.
+  private button(): HTMLElement {
+    const button = Object.assign(document.createElement('button'), { type: 'button', title: 'What the stream costs' });
+    button.append(this.where, this.rate);
+    const open = (is_open: boolean) => {
+      this.root.classList.toggle('open', is_open);
+      button.setAttribute('aria-expanded', String(is_open));
+    };
+    button.onclick = () => {
+      const is_open = !this.root.classList.contains('open');
+      open(is_open);
+      remember('readout', is_open);
+    };
+    open(isRemembered('readout'));
+    return button;
   }
 
   update(m: Measured): void {
@@ -67,7 +89,8 @@ export class Readout {
   private showNumbers(m: Measured): void {
     const { statistics: s } = m;
     const rate = this.rates();
-    this.set('Frame', `${this.frame_ms.toFixed(1)} ms`, `${(1000 / Math.max(this.frame_ms, 0.1)).toFixed(0)} per s`);
+    this.rate.textContent = `${(1000 / Math.max(this.frame_ms, 0.1)).toFixed(0)} fps`;
+    this.set('Frame', `${this.frame_ms.toFixed(1)} ms`, '');
     this.set('Triangles', (m.mesh?.triangles ?? 0).toLocaleString('en'), `${(m.mesh?.to_nodes ?? 0).toLocaleString('en')} nodes`);
     this.set('Stream', `${bytesText(rate.bytes)}/s`, `${bytesText(s.bytes_down)} in all`);
     this.set('Keyframes', `${rate.keyframes.toFixed(1)} per s`, `${s.late_keyframes} of ${s.keyframes} late`);
@@ -99,8 +122,8 @@ export class Readout {
     const slope = position.slope === null ? '' : ` \u00b7 slope ${((position.slope * 180) / Math.PI).toFixed(0)}\u00b0`;
     const heading = ((((m.heading_rad * 180) / Math.PI) % 360) + 360) % 360;
     const lines = [`${at}${slope}`, `${heightsText(position, m.scene.vertical)}${above}`];
-    const speed = speed_mps > 1e-3 * m.set_speed_mps ? `${metresText(speed_mps)}/s` : `keys fly at ${metresText(m.set_speed_mps)}/s`;
-    lines.push(`heading ${heading.toFixed(0).padStart(3, '0')}\u00b0 \u00b7 ${speed}`);
+    const speed = speed_mps > 1e-3 * m.set_speed_mps ? ` \u00b7 ${metresText(speed_mps)}/s` : '';
+    lines.push(`heading ${heading.toFixed(0).padStart(3, '0')}\u00b0${speed}`);
     this.where.replaceChildren(...lines.map((text) => Object.assign(document.createElement('span'), { textContent: text })));
   }
 
@@ -143,11 +166,6 @@ function bytesText(bytes: number): string {
   if (bytes < 1000) return `${bytes.toFixed(0)} B`;
   if (bytes < 1e6) return `${(bytes / 1e3).toFixed(1)} kB`;
   return `${(bytes / 1e6).toFixed(2)} MB`;
-}
-
-function metresText(metres: number): string {
-  if (Math.abs(metres) >= 10000) return `${(metres / 1000).toFixed(1)} km`;
-  return `${metres.toFixed(Math.abs(metres) < 10 ? 1 : 0)} m`;
 }
 
 // By both surfaces, as far as they are known. The one that is not the scene's own may be off, which is said of more than half a metre.

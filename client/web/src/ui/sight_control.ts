@@ -1,8 +1,9 @@
 // What is seen from here, by hand. Shift-click: the first marks where an eye stands, the next draws a line of sight from it, green as
 // far as one sees, red beyond. Key V: drapes over the ground what is seen from that eye, or from the camera; again, or Escape while it
 // comes: takes it away.
-import type { Place, Sight, SightOptions, Terrain, Vector, Viewshed } from '@foreland/client';
+import type { Place, Sight, Terrain, Vector, Viewshed } from '@foreland/client';
 import type { Picture } from '../draw/picture';
+import { pickExactly } from './exact_pick';
 import { reasonOf } from './words';
 
 const kEye_m = 1.7; // above what was clicked
@@ -76,7 +77,7 @@ export class SightControl {
   // Of a point of the window that was clicked.
   private async point(terrain: Terrain, x: number, y: number): Promise<void> {
     const { from } = this;
-    const point = await this.pick(terrain, x, y);
+    const point = await pickExactly(terrain, this.stage.picture(), x, y, this.stage.sceneTime());
     if (!point) return this.stage.say('There is no ground to see there.');
     [this.from, this.sight] = from ? [null, await this.look(terrain, from, point)] : [point, null];
     this.show();
@@ -120,22 +121,10 @@ export class SightControl {
     return { from: { ...at, height }, radius, cell, sceneTime: this.stage.sceneTime() };
   }
 
-  // The point that a pixel shows, exactly: what the straight line through it meets first.
-  private async pick(terrain: Terrain, x: number, y: number): Promise<Vector | null> {
-    const picture = this.stage.picture();
-    const { bounds: { low, high }, frame } = terrain.scene;
-    const far_m = 2 * Math.hypot(high[0] - low[0], high[1] - low[1]);
-    const way = picture.directionAt(x, y);
-    const there = picture.eye.map((v, i) => v + far_m * way[i]!) as Vector;
-    const ends = [terrain.place(picture.eye)!, terrain.place(there)!] as const;
-    return (await this.ask(terrain, ends, { refraction: frame === 'geographic' ? 0 : 1 })).hit;
-  }
   // As an eye sees that stands on one point, towards another.
-  private look(terrain: Terrain, from: Vector, to: Vector): Promise<Sight> {
-    return this.ask(terrain, [raised(terrain.place(from)!, kEye_m), raised(terrain.place(to)!, kLift_m)]);
-  }
-  private async ask(terrain: Terrain, ends: readonly [Place, Place], options: SightOptions = {}): Promise<Sight> {
-    return (await terrain.visible([ends], { ...options, sceneTime: this.stage.sceneTime() }))[0]!;
+  private async look(terrain: Terrain, from: Vector, to: Vector): Promise<Sight> {
+    const ends = [raised(terrain.place(from)!, kEye_m), raised(terrain.place(to)!, kLift_m)] as const;
+    return (await terrain.visible([ends], { sceneTime: this.stage.sceneTime() }))[0]!;
   }
 }
 

@@ -1,0 +1,132 @@
+// Measuring by hand. The button or key M begins and ends it; each click on the ground adds a corner, Enter adds what is in the middle of the
+// view, Backspace takes the last one back, Escape ends it. Answers that come after another question are dropped.
+import type { MapPoint, Place, Terrain, Vector } from '@foreland/client';
+import type { Picture } from '../draw/picture';
+import { measure, pointOn, type Measurement } from '../measure/measurement';
+import { csvOf, geoJsonOf } from '../measure/measurement_files';
+import { pickExactly } from './exact_pick';
+import { MeasureCard } from './measure_card';
+import { saveFile } from './save_file';
+import { reasonOf } from './words';
+
+const kClick_px = 4; // a pointer that moves farther drags
+
+// What it needs of the page.
+export interface MeasureStage {
+  picture(): Picture;
+  terrain(): Terrain | null;
+  sceneTime(): number; // ms
+  say(text: string): void;
+}
+
+export class MeasureControl {
+  private corners: MapPoint[] = [];
+  private measured: Measurement | null = null;
+  private line: Vector[] = [];
+  private asked = 0; // questions so far
+  private is_on = false;
+  private pressed: [number, number] = [0, 0];
+  private readonly card: MeasureCard;
+  private readonly button: HTMLButtonElement;
+
+  constructor(tools: HTMLElement, card: HTMLElement, private readonly stage: MeasureStage) {
+    this.button = Object.assign(document.createElement('button'), { type: 'button' as const, textContent: 'Measure', title: 'Points, lines and areas on the exact ground (M)' });
+    this.button.onclick = () => this.turn(!this.is_on);
+    this.button.setAttribute('aria-pressed', 'false');
+    tools.append(this.button);
+    this.card = new MeasureCard(card, {
+      point: (index) => this.stage.picture().measure_line.point(index === null ? null : this.line[index] ?? null),
+      save: (kind) => this.save(kind), clear: () => this.change([]), close: () => this.turn(false),
+    });
+    window.addEventListener('pointerdown', (event) => (this.pressed = [event.clientX, event.clientY]));
+    window.addEventListener('click', (event) => this.click(event));
+    window.addEventListener('keydown', (event) => this.key(event));
+  }
+
+  // In a picture that took another one's place as well.
+  show(): void {
+    const { measured } = this, terrain = this.stage.terrain();
+    const corners = terrain && measured ? measured.corners.map((corner, i) => pointOn(terrain, corner, measured.heights[i]!.height)) : [];
+    this.line = terrain && measured?.profile ? measured.profile.places.map((place, i) => pointOn(terrain, place, measured.profile!.heights[i]!)) : [];
+    this.stage.picture().measure_line.show(measured && measured.corners.length > 2 ? [...this.line, corners[0]!] : this.line, corners);
+  }
+
+  // For tests.
+  status(): Record<string, unknown> {
+    const { is_on, measured } = this;
+    return { measuring: is_on, measured_corners: measured?.corners.length ?? 0, measured_m: measured?.profile?.length_m ?? null, measured_m2: measured?.area?.plane_m2 ?? null };
+  }
+
+  private turn(is_on: boolean): void {
+    const terrain = this.stage.terrain();
+    if (!terrain?.hasScene) return;
+    this.is_on = is_on;
+    this.button.setAttribute('aria-pressed', String(is_on));
+    document.body.classList.toggle('measuring', is_on);
+    this.card.isShown = is_on;
+    this.change([]);
+  }
+
+  private click(event: MouseEvent): void {
+    const moved = Math.hypot(event.clientX - this.pressed[0], event.clientY - this.pressed[1]);
+    if (!this.is_on || event.shiftKey || moved > kClick_px || !this.stage.picture().isOn(event.target)) return;
+    void this.add(event.clientX, event.clientY);
+  }
+  private key(event: KeyboardEvent): void {
+    const is_typing = event.target instanceof HTMLElement && /^(INPUT|SELECT|TEXTAREA|BUTTON)$/.test(event.target.tagName);
+    if (is_typing || event.repeat || event.ctrlKey || event.metaKey || event.altKey) return;
+    if (event.code === 'KeyM') this.turn(!this.is_on);
+    if (!this.is_on) return;
+    if (event.code === 'Escape') this.turn(false);
+    if (event.code === 'Backspace') this.change(this.corners.slice(0, -1));
+    if (event.code === 'Enter') void this.add(window.innerWidth / 2, window.innerHeight / 2);
+  }
+
+  private async add(x: number, y: number): Promise<void> {
+    await this.run(async (terrain, isWanted) => {
+      const point = await pickExactly(terrain, this.stage.picture(), x, y, this.stage.sceneTime());
+      if (!isWanted()) return;
+      if (!point) return this.stage.say('There is no ground to measure there.');
+      this.change([...this.corners, mapPointOf(terrain.place(point)!)]);
+    });
+  }
+  private change(corners: MapPoint[]): void {
+    this.corners = corners;
+    if (corners.length === 0) ++this.asked;
+    void this.run(async (terrain, isWanted) => {
+      if (corners.length === 0) return this.take(terrain, null);
+      this.card.show(this.measured, terrain.scene, true);
+      const measured = await measure(terrain, corners);
+      if (isWanted()) this.take(terrain, measured);
+    });
+  }
+  private take(terrain: Terrain, measured: Measurement | null): void {
+    this.measured = measured;
+    this.card.show(measured, terrain.scene, false);
+    this.show();
+  }
+  // `isWanted` turns false once something else is asked.
+  private async run(work: (terrain: Terrain, isWanted: () => boolean) => Promise<void> | void): Promise<void> {
+    const terrain = this.stage.terrain(), mine = ++this.asked;
+    if (!terrain?.hasScene) return;
+    try {
+      await work(terrain, () => mine === this.asked);
+    } catch (error) {
+      this.stage.say(reasonOf(error));
+      this.card.show(this.measured, terrain.scene, false);
+    }
+  }
+
+  private save(kind: 'csv' | 'geojson'): void {
+    const { measured } = this, terrain = this.stage.terrain();
+    if (!measured || !terrain) return;
+    if (kind === 'csv' && measured.profile) return saveFile(new Blob([csvOf(measured.profile)], { type: 'text/csv' }), 'profile.csv');
+    const properties = { ...(measured.profile ? { length_m: measured.profile.length_m, along_ground_m: measured.profile.surface_m } : {}), ...(measured.area ?? {}) };
+    const text = geoJsonOf(measured.corners, measured.heights.map((h) => h.height), terrain.scene.crs, properties, measured.area !== null);
+    saveFile(new Blob([text], { type: 'application/geo+json' }), 'measured.geojson');
+  }
+}
+
+function mapPointOf(place: Place): MapPoint {
+  return 'lat' in place ? { lat: place.lat, lon: place.lon } : { easting: place.easting, northing: place.northing };
+}
