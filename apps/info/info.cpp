@@ -32,7 +32,16 @@ std::string hexadecimal(uint64_t id) {
   return text;
 }
 
-uint64_t nodeCount(const proto::GridTopology& grid) {
+uint64_t nodeCount(const terrain::Scene& scene) {
+  const proto::GridTopology& grid = scene.grid();
+  if (scene.isSparse()) {
+    uint64_t nodes = 0;
+    scene.pages().forEachPage([&](proto::Slot first, uint64_t) {
+      for (proto::Slot slot = first; slot < first + proto::kPageSlots; ++slot)
+        nodes += grid.node(slot) == proto::NodeId{} ? 0 : 1;
+    });
+    return nodes;
+  }
   const proto::GridShape& s = grid.shape();
   const uint64_t base = (s.roots_x + 1ull) * (s.roots_y + 1ull) + static_cast<uint64_t>(s.roots_x) * s.roots_y;
   return (grid.maxX() + 1ull) * (grid.maxY() + 1ull) - base;
@@ -109,7 +118,8 @@ ordered_json describe(const std::string& path, const terrain::Scene& scene) {
   about["roots"] = {shape.roots_x, shape.roots_y};
   about["root_samples"] = scene.grid().rootSize() + 1;
   about["levels"] = scene.grid().maxLevel();
-  about["nodes"] = nodeCount(scene.grid());
+  if (scene.isSparse()) about["sparse_levels"] = shape.sparse_levels;
+  about["nodes"] = nodeCount(scene);
   about["lowest_m"] = scene.heightRange().lowest * quantum_m;
   about["highest_m"] = scene.heightRange().highest * quantum_m;
   about["vertical"] = apps::describeVertical(scene);
@@ -153,7 +163,11 @@ void print(const std::string& path, const terrain::Scene& scene) {
   std::printf("samples    %u x %u\n", shape.samples_x, shape.samples_y);
   std::printf("roots      %u x %u squares of %u samples a side\n", shape.roots_x, shape.roots_y,
               scene.grid().rootSize() + 1);
-  std::printf("hierarchy  %d levels, %" PRIu64 " nodes\n", scene.grid().maxLevel(), nodeCount(scene.grid()));
+  if (scene.isSparse())
+    std::printf("hierarchy  %d levels, the last %u of them in places, %" PRIu64 " nodes\n", scene.grid().maxLevel(),
+                shape.sparse_levels, nodeCount(scene));
+  else
+    std::printf("hierarchy  %d levels, %" PRIu64 " nodes\n", scene.grid().maxLevel(), nodeCount(scene));
   std::printf("heights    %.3f to %.3f m, multiples of %g m\n", scene.heightRange().lowest * quantum_m,
               scene.heightRange().highest * quantum_m, quantum_m);
   apps::printVertical(scene);

@@ -154,7 +154,8 @@ int main(int argc, char** argv) {
   auto scene = terrain::openVerified(flags.scene);
   if (!scene) return fail(scene.error());
   const std::string title = (*scene)->origin().title;
-  if ((*scene)->nodes().size_bytes() > kLargeSceneBytes) options->session.prefetch_ahead = Duration::milliseconds(2000);
+  if ((*scene)->records().size_bytes() > kLargeSceneBytes)
+    options->session.prefetch_ahead = Duration::milliseconds(2000);
   auto world = openWorld(flags, *scene, options->log);
   if (!world) return fail(world.error());
   options->files = imagesOf((*world)->hierarchy.objects());

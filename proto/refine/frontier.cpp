@@ -39,7 +39,8 @@ namespace {
 // From the back, so that each of the others moves once.
 template <class Rest>
 FORELAND_WITH_BIT_INSTRUCTIONS inline void insertEntries(const SlotBits& old, const SlotBits& nodes, uint32_t more,
-                                                 uint32_t end, FrontierEntry blank, uint32_t* bits, Rest* rest) {
+                                                         uint32_t end, FrontierEntry blank, uint32_t* bits,
+                                                         Rest* rest) {
   uint32_t before = end;  // of the old entries
   for (uint32_t w = 4; w-- > 0;) {
     const uint64_t old_word = old.words[w];
@@ -63,7 +64,7 @@ FORELAND_WITH_BIT_INSTRUCTIONS inline void insertEntries(const SlotBits& old, co
 // How many have gone.
 template <class Rest>
 FORELAND_WITH_BIT_INSTRUCTIONS inline uint32_t eraseEntries(const SlotBits& old, const SlotBits& nodes, uint32_t count,
-                                                    uint32_t* bits, Rest* rest) {
+                                                            uint32_t* bits, Rest* rest) {
   uint32_t gone = 0, at = 0;
   const auto moveUpTo = [&](uint32_t end) {
     for (; gone > 0 && at < end; ++at) {

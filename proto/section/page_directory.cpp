@@ -51,6 +51,7 @@ Result<PageDirectory> PageDirectory::create(const GridTopology& grid, std::span<
     };
     if (i > 0 && block.key <= blocks[i - 1].key) return refuse("is out of order");
     if (block.level() <= grid.wholeLevels() || block.level() > grid.maxLevel()) return refuse("is of a wrong level");
+    if (block.face() != 0) return refuse("is of a face that the grid does not have");
     if (block.count() == 0 || !isInside(grid, block)) return refuse("has no page, or one outside of the grid");
     if (block.first != directory.page_count_) return refuse("has a wrong place");
     directory.page_count_ += block.count();

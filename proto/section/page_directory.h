@@ -31,11 +31,13 @@ struct PageBlock {
   uint64_t first = 0;                               // place of its first page
   std::array<uint64_t, kSide * kSide / 64> bits{};  // of the page in column c and row r: bit 32 r + c
 
-  // From the lowest bit: column (26), row (26), level (12).
+  // From the lowest bit: column (26), row (26), face (3), level (9). The face is that of a lattice of several squares
+  // that are glued, and 0 in all that there are so far.
   static uint64_t keyOf(int level, uint32_t column, uint32_t row) {
-    return static_cast<uint64_t>(level) << 52 | uint64_t{row} << 26 | column;
+    return static_cast<uint64_t>(level) << 55 | uint64_t{row} << 26 | column;
   }
-  int level() const { return static_cast<int>(key >> 52); }
+  int level() const { return static_cast<int>(key >> 55); }
+  uint32_t face() const { return static_cast<uint32_t>(key >> 52 & 7); }
   uint32_t column() const { return static_cast<uint32_t>(key & ((1u << 26) - 1)); }
   uint32_t row() const { return static_cast<uint32_t>(key >> 26 & ((1u << 26) - 1)); }
   uint64_t count() const;
@@ -64,6 +66,12 @@ class PageDirectory {
   // Calls visit(first slot of a page, its place) for the pages of a block, by place.
   template <class Visit>
   void forEachPage(const PageBlock& block, const Visit& visit) const;
+  // The same for all pages that are there.
+  template <class Visit>
+  void forEachPage(const Visit& visit) const {
+    for (Slot first = 0; first < whole_; first += kPageSlots) visit(first, first / kPageSlots);
+    for (const PageBlock& block : blocks_) forEachPage(block, visit);
+  }
   std::span<const PageBlock> blocks() const { return blocks_; }
 
  private:

@@ -17,25 +17,26 @@ std::string getString(ByteReader& in) {
 
 }  // namespace
 
-FileLayout FileLayout::of(const proto::GridTopology& grid, const Sizes& sizes) {
+FileLayout FileLayout::of(const proto::GridShape& shape, const proto::PageDirectory& directory, const Sizes& sizes) {
   FileLayout layout;
-  const proto::GridShape& shape = grid.shape();
-  const std::array<uint64_t, kChecksums + 3> bytes{
+  const std::array<uint64_t, kChecksums + 4> bytes{
       sizes.text,
       sizeof(int32_t) * (shape.roots_x + 1ull) * (shape.roots_y + 1ull),
       sizeof(int32_t) * static_cast<uint64_t>(shape.roots_x) * shape.roots_y,
-      sizeof(NodeRecord) * static_cast<uint64_t>(grid.slotCount()),
+      sizeof(NodeRecord) * proto::kPageSlots * directory.pageCount(),
       sizes.objects,
       sizes.epochs,
       sizes.tiles,
-      sizes.datum};
-  std::array<SectionRange, kSectionCount + 3> ranges;
+      sizes.datum,
+      directory.blocks().size_bytes()};
+  std::array<SectionRange, kSectionCount + 4> ranges;
   layout.file_bytes = layOutSections(bytes, ranges);
   std::copy_n(ranges.begin(), kChecksums, layout.sections.begin());
   layout.sections[kChecksums] = ranges.back();
   if (sizes.epochs > 0) layout.epochs = ranges[kChecksums];
   if (sizes.tiles > 0) layout.tiles = ranges[kChecksums + 1];
   if (sizes.datum > 0) layout.datum = ranges[kChecksums + 2];
+  if (!directory.blocks().empty()) layout.pages = ranges[kChecksums + 3];
   return layout;
 }
 

@@ -9,6 +9,7 @@
 
 #include "base/bytes.h"
 #include "base/result.h"
+#include "proto/section/page_directory.h"
 #include "proto/space/frame.h"
 #include "proto/topology/grid.h"
 #include "terrain/store/file/sections.h"
@@ -17,7 +18,7 @@
 namespace foreland::terrain {
 
 inline constexpr std::array<char, 8> kSceneMagic{'F', 'O', 'R', 'E', 'L', 'A', 'N', 'D'};
-inline constexpr uint32_t kFormatVersion = 6;
+inline constexpr uint32_t kFormatVersion = 7;
 
 enum SectionKind : uint32_t { kText, kCorners, kCentres, kNodes, kObjects, kChecksums, kSectionCount };
 
@@ -26,6 +27,7 @@ struct FileHeader {
   static constexpr uint32_t kOldestVersion = 3;    // had no tiles; the reader still takes it
   static constexpr uint32_t kLinearVersion = 4;    // epochs were blended linearly; written for scenes whose are
   static constexpr uint32_t kUnstatedVersion = 5;  // no vertical datum is stated; written for scenes whose is not
+  static constexpr uint32_t kWholeVersion = 6;     // all levels are whole; written for scenes whose are
 
   std::array<char, 8> magic = kSceneMagic;
   uint32_t version = kFormatVersion;
@@ -47,22 +49,26 @@ struct FileHeader {
   SectionRange epochs;       // after the objects (epoch_section.h); zeros in scenes without epochs
   SectionRange tiles;        // after the epochs (tile_section.h); zeros in scenes without tiles
   uint32_t epoch_blend = 0;  // proto::EpochBlend
-  uint32_t unused = 0;
+  uint32_t sparse_levels = 0;
   SectionRange datum;  // after the tiles (datum_section.h); zeros where no vertical datum is stated
+  SectionRange pages;  // after the datum: blocks of the pages that are there of sparse levels; zeros if there are none
+
+  proto::GridShape shape() const { return {roots_x, roots_y, root_log2, samples_x, samples_y, sparse_levels}; }
 };
-static_assert(sizeof(FileHeader) == 384 && std::is_trivially_copyable_v<FileHeader>);
+static_assert(sizeof(FileHeader) == 400 && std::is_trivially_copyable_v<FileHeader>);
 static_assert(offsetof(FileHeader, roots_x) == 40 && offsetof(FileHeader, height_quantum_m) == 64);
 static_assert(offsetof(FileHeader, lowest) == 208 && offsetof(FileHeader, sections) == 232);
 
-// Where the sections of a file lie, given the grid and the sizes of those that do not follow from it.
+// Where the sections of a file lie, given its pages and the sizes of those that do not follow from it.
 struct FileLayout {
   struct Sizes {
     uint64_t text = 0, objects = 0, epochs = 0, tiles = 0, datum = 0;
   };
   std::array<SectionRange, kSectionCount> sections;
-  SectionRange epochs, tiles, datum;  // zeros if there are none
+  SectionRange epochs, tiles, datum, pages;  // zeros if there are none
   uint64_t file_bytes = 0;
-  static FileLayout of(const proto::GridTopology& grid, const Sizes& bytes);
+  // The directory says how many records there are.
+  static FileLayout of(const proto::GridShape& shape, const proto::PageDirectory& directory, const Sizes& bytes);
 };
 
 void putFrame(const proto::Frame& frame, FileHeader& header);

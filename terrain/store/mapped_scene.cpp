@@ -14,8 +14,7 @@ Result<std::shared_ptr<const MappedScene>> MappedScene::of(ByteSpan bytes, const
   if (bytes.size() < kPageBytes) return damagedFile(name, "it is cut short");
   const auto header = readHeader<FileHeader>(bytes, name);
   if (!header.ok()) return header.error();
-  auto grid = proto::GridTopology::create(
-      {header->roots_x, header->roots_y, header->root_log2, header->samples_x, header->samples_y});
+  auto grid = proto::GridTopology::create(header->shape());
   if (!grid.ok()) return damagedFile(name, grid.error().message);
   if (Status frame = getFrame(*header).validate(grid->maxX(), grid->maxY()); !frame.ok())
     return damagedFile(name, frame.error().message);
@@ -27,6 +26,22 @@ Result<std::shared_ptr<const MappedScene>> MappedScene::of(ByteSpan bytes, const
 MappedScene::MappedScene(ByteSpan bytes, std::shared_ptr<const void> owner, const FileHeader& header,
                          proto::GridTopology grid)
     : Scene(std::move(grid), getFrame(header)), bytes_(bytes), owner_(std::move(owner)), header_(header) {}
+
+// Reads which pages are there, which decides where all other sections are.
+Status MappedScene::readPages() {
+  const auto malformed = [](const char* what) { return Error{ErrorCode::kMalformed, what}; };
+  const SectionRange& at = header_.pages;
+  if ((header_.version > FileHeader::kWholeVersion) != (header_.sparse_levels > 0))
+    return malformed("its version does not go with its sparse levels");
+  if (header_.sparse_levels > 0 && (header_.epochs.bytes > 0 || header_.tiles.bytes > 0))
+    return malformed("it has sparse levels with epochs or tiles, which this version cannot read");
+  if (at.bytes == 0) return adoptPages({});
+  if (header_.sparse_levels == 0 || at.bytes % sizeof(proto::PageBlock) != 0)
+    return malformed("its directory of pages has a wrong size");
+  if (at.offset % kPageBytes != 0 || at.offset > bytes_.size() || at.bytes > bytes_.size() - at.offset)
+    return malformed("its directory of pages is not in the file");
+  return adoptPages(sectionOf<proto::PageBlock>(bytes_, at));
+}
 
 // Checks the header against the sizes that follow from its grid, then points the spans into the file.
 Status MappedScene::adopt() {
@@ -43,14 +58,18 @@ Status MappedScene::adopt() {
   const uint64_t datum_bytes = header_.datum.bytes;
   if (datum_bytes > std::min<uint64_t>(bytes_.size(), kMaxDatumBytes))
     return malformed("its vertical datum is too large");
-  if ((header_.version > FileHeader::kUnstatedVersion) != (datum_bytes > 0))
+  if (header_.version <= FileHeader::kWholeVersion &&
+      (header_.version > FileHeader::kUnstatedVersion) != (datum_bytes > 0))
     return malformed("its version does not go with its vertical datum");
-  const FileLayout layout = FileLayout::of(grid_, {text_bytes, object_bytes, epoch_bytes, tile_bytes, datum_bytes});
+  if (Status pages = readPages(); !pages.ok()) return pages;
+  const FileLayout layout =
+      FileLayout::of(grid_.shape(), directory_, {text_bytes, object_bytes, epoch_bytes, tile_bytes, datum_bytes});
   for (uint32_t kind = 0; kind < kSectionCount; ++kind)
     if (header_.sections[kind] != layout.sections[kind]) return malformed("its sections are not where they belong");
   if (header_.epochs != layout.epochs) return malformed("its epochs are not where they belong");
   if (header_.tiles != layout.tiles) return malformed("its tiles are not where they belong");
   if (header_.datum != layout.datum) return malformed("its vertical datum is not where it belongs");
+  if (header_.pages != layout.pages) return malformed("its directory of pages is not where it belongs");
   if (header_.file_bytes != layout.file_bytes || header_.slot_count != grid_.slotCount() ||
       header_.lowest > header_.highest)
     return malformed("its sizes contradict each other");
@@ -61,7 +80,7 @@ Status MappedScene::adopt() {
   origin_.voids_filled = header_.voids_filled;
   id_ = header_.scene_id;
   heights_ = {header_.lowest, header_.highest};
-  nodes_ = section<NodeRecord>(kNodes);
+  records_ = section<NodeRecord>(kNodes);
   corners_ = section<int32_t>(kCorners);
   centres_ = section<int32_t>(kCentres);
   objects_ = section<uint8_t>(kObjects);

@@ -26,6 +26,7 @@ class MappedScene final : public Scene {
  private:
   MappedScene(ByteSpan bytes, std::shared_ptr<const void> owner, const FileHeader& header, proto::GridTopology grid);
   Status adopt();
+  Status readPages();
 
   template <class T>
   std::span<const T> section(SectionKind kind) const {

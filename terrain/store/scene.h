@@ -13,6 +13,8 @@
 #include "base/bytes.h"
 #include "base/result.h"
 #include "proto/section/bounds.h"
+#include "proto/section/node_tables.h"
+#include "proto/section/page_directory.h"
 #include "proto/space/frame.h"
 #include "proto/topology/grid.h"
 #include "terrain/store/tables/datum_section.h"
@@ -54,9 +56,17 @@ class Scene {
   // What the scene was put together from; empty where it does not state its datum.
   const std::vector<SceneInput>& inputs() const { return datum_.inputs; }
 
-  // Indexed by slot; slots that are padding hold zeros.
-  std::span<const NodeRecord> nodes() const { return nodes_; }
-  const NodeRecord& node(proto::NodeId n) const { return nodes_[grid_.slot(n)]; }
+  // Whether some deep pages need not be there.
+  bool isSparse() const { return grid_.shape().sparse_levels > 0; }
+  // Which pages of nodes are there.
+  const proto::PageDirectory& pages() const { return directory_; }
+  // By place in the file; slots that are padding hold zeros.
+  std::span<const NodeRecord> records() const { return records_; }
+  // By slot. A node whose page is not there reads as zeros.
+  proto::StoredNodes nodes() const {
+    return isSparse() ? proto::StoredNodes(records_, directory_) : proto::StoredNodes(records_);
+  }
+  const NodeRecord& node(proto::NodeId n) const { return nodes()[grid_.slot(n)]; }
   // Base vertices, row by row from the south: (roots_x + 1) * (roots_y + 1) corners; roots_x * roots_y centres.
   std::span<const int32_t> cornerHeights() const { return corners_; }
   std::span<const int32_t> centreHeights() const { return centres_; }
@@ -70,12 +80,19 @@ class Scene {
   // The bytes of the objects, which terrain/objects reads; empty if there are none.
   ByteSpan objectSection() const { return objects_; }
 
-  // Height of any lattice point, node or base vertex, in quanta.
+  // Height of any lattice point, node or base vertex, in quanta. Where no page is, the ground is the triangle of the
+  // finest nodes around that are there, and the height is its nearest whole number of quanta there.
   int32_t height(proto::NodeId v) const;
+
+ private:
+  int32_t baseHeight(proto::NodeId v) const;
+  int32_t interpolated(proto::NodeId v) const;
 
  protected:
   Scene(proto::GridTopology grid, proto::Frame frame)
-      : grid_(std::move(grid)), frame_(std::move(frame)), spheres_(grid_, frame_) {}
+      : grid_(std::move(grid)), frame_(std::move(frame)), spheres_(grid_, frame_), directory_(grid_) {}
+  // `blocks` must outlive the scene.
+  Status adoptPages(std::span<const proto::PageBlock> blocks);
 
   proto::GridTopology grid_;
   proto::Frame frame_;
@@ -84,7 +101,8 @@ class Scene {
   HeightRange heights_;
   SceneOrigin origin_;
   SceneDatum datum_;
-  std::span<const NodeRecord> nodes_;
+  proto::PageDirectory directory_;
+  std::span<const NodeRecord> records_;
   std::span<const int32_t> corners_, centres_;
   ByteSpan objects_;
   EpochTable epochs_;

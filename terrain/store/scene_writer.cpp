@@ -6,10 +6,26 @@
 
 namespace foreland::terrain {
 
+namespace {
+
+// The oldest that holds it, so that a scene has the bytes that it always had.
+uint32_t versionFor(const SceneWriter::About& about, bool is_stated) {
+  if (about.shape.sparse_levels > 0) return kFormatVersion;
+  if (is_stated) return FileHeader::kWholeVersion;
+  return about.epoch_blend == proto::EpochBlend::kLinear ? FileHeader::kLinearVersion : FileHeader::kUnstatedVersion;
+}
+
+}  // namespace
+
 Result<SceneWriter> SceneWriter::create(const std::filesystem::path& target, const About& about) {
   auto grid = proto::GridTopology::create(about.shape);
   if (!grid.ok()) return grid.error();
   if (Status frame = about.frame.validate(grid->maxX(), grid->maxY()); !frame.ok()) return frame.error();
+  auto directory = proto::PageDirectory::create(*grid, about.pages);
+  if (!directory.ok()) return directory.error();
+  if (about.shape.sparse_levels > 0 && (!about.epochs.empty() || about.tiles))
+    return Error{ErrorCode::kUnsupported,
+                 target.string() + ": a scene with sparse levels can have neither epochs nor tiles yet"};
   const Bytes text = encodeText(about.origin);
   if (text.size() > kMaxTextBytes)
     return Error{ErrorCode::kLimit, target.string() + ": more than 16 MiB of names and notes"};
@@ -18,16 +34,17 @@ Result<SceneWriter> SceneWriter::create(const std::filesystem::path& target, con
   const Bytes datum = is_stated ? encodeDatum(about.datum) : Bytes{};
   if (datum.size() > kMaxDatumBytes)
     return Error{ErrorCode::kLimit, target.string() + ": more than 32 MiB of inputs and undulations"};
-  const FileLayout layout = FileLayout::of(*grid, {.text = text.size(),
-                                                   .objects = about.objects.size(),
-                                                   .epochs = about.epochs.size(),
-                                                   .tiles = about.tiles ? about.tiles->bytes() : 0,
-                                                   .datum = datum.size()});
+  const FileLayout layout = FileLayout::of(about.shape, *directory,
+                                           {.text = text.size(),
+                                            .objects = about.objects.size(),
+                                            .epochs = about.epochs.size(),
+                                            .tiles = about.tiles ? about.tiles->bytes() : 0,
+                                            .datum = datum.size()});
   FileHeader h;
   h.file_bytes = layout.file_bytes;
   const proto::GridShape& s = about.shape;
   h.roots_x = s.roots_x, h.roots_y = s.roots_y, h.root_log2 = s.root_log2, h.samples_x = s.samples_x,
-  h.samples_y = s.samples_y;
+  h.samples_y = s.samples_y, h.sparse_levels = s.sparse_levels;
   putFrame(about.frame, h);
   h.lowest = about.heights.lowest, h.highest = about.heights.highest;
   h.voids_filled = about.origin.voids_filled;
@@ -36,10 +53,9 @@ Result<SceneWriter> SceneWriter::create(const std::filesystem::path& target, con
   h.epochs = layout.epochs;
   h.tiles = layout.tiles;
   h.datum = layout.datum;
+  h.pages = layout.pages;
   h.epoch_blend = static_cast<uint32_t>(about.epoch_blend);
-  if (!is_stated)
-    h.version =
-        about.epoch_blend == proto::EpochBlend::kLinear ? FileHeader::kLinearVersion : FileHeader::kUnstatedVersion;
+  h.version = versionFor(about, is_stated);
 
   auto file = NewFile::create(target, layout.file_bytes);
   if (!file.ok()) return file.error();
@@ -48,6 +64,7 @@ Result<SceneWriter> SceneWriter::create(const std::filesystem::path& target, con
   if (!about.objects.empty()) std::memcpy(writer.at(kObjects), about.objects.data(), about.objects.size());
   if (!about.epochs.empty()) std::memcpy(writer.at(layout.epochs), about.epochs.data(), about.epochs.size());
   if (is_stated) std::memcpy(writer.at(layout.datum), datum.data(), datum.size());
+  if (!about.pages.empty()) std::memcpy(writer.at(layout.pages), about.pages.data(), about.pages.size_bytes());
   if (about.tiles)
     if (Status status = about.tiles->write({writer.at(layout.tiles), layout.tiles.bytes}); !status.ok())
       return status.error();
@@ -72,9 +89,8 @@ ByteSpan bytesOf(std::span<const NodeRecord> records) {
 
 }  // namespace
 
-Status SceneWriter::put(proto::Slot first, std::span<const NodeRecord> records) const {
-  return file_.put(layout_.sections[kNodes].offset + static_cast<uint64_t>(first) * sizeof(NodeRecord),
-                   bytesOf(records));
+Status SceneWriter::put(uint64_t first, std::span<const NodeRecord> records) const {
+  return file_.put(layout_.sections[kNodes].offset + first * sizeof(NodeRecord), bytesOf(records));
 }
 
 void SceneWriter::release(std::span<const NodeRecord> nodes) const { file_.release(bytesOf(nodes)); }

@@ -17,8 +17,8 @@ namespace foreland::terrain {
 
 class SceneWriter {
  public:
-  // About holds what the file says beside nodes and base heights. create() returns an Error if the shape or the frame
-  // is invalid, or if the origin's text exceeds 16 MiB.
+  // About holds what the file says beside nodes and base heights. create() returns an Error if the shape, the frame
+  // or the pages are invalid, or if the origin's text exceeds 16 MiB.
   struct About {
     proto::GridShape shape;
     proto::Frame frame;
@@ -29,17 +29,21 @@ class SceneWriter {
     proto::EpochBlend epoch_blend = proto::EpochBlend::kLinear;
     SceneDatum datum{};                  // Written if it is stated.
     const TileSection* tiles = nullptr;  // A scene without tiles has none; create() alone reads it.
+    // The pages that are there of the sparse levels (proto::blocksOf); create() alone reads it.
+    std::span<const proto::PageBlock> pages{};
   };
   static Result<SceneWriter> create(const std::filesystem::path& target, const About& about);
 
-  // The records are zero until put() writes them. The caller fills corners() and centres(), which are zero at first.
+  // By place. The records are zero until put() writes them. The caller fills corners() and centres(), which are zero at
+  // first.
   std::span<const NodeRecord> nodes() const;
   std::span<int32_t> corners();
   std::span<int32_t> centres();
   uint64_t fileBytes() const { return layout_.file_bytes; }
 
-  // Writes records from slot `first` on; nodes() then shows the new records.
-  Status put(proto::Slot first, std::span<const NodeRecord> records) const;
+  // Writes records from place `first` on (proto::PageDirectory), which is their slot where all levels are whole;
+  // nodes() then shows the new records.
+  Status put(uint64_t first, std::span<const NodeRecord> records) const;
   // Lets the pages of `nodes`, a part of nodes(), leave this process's memory; their content stays in the file.
   void release(std::span<const NodeRecord> nodes) const;
 

@@ -54,7 +54,11 @@ class NodeCheck {
     const double radius = radiusOf(n, record);
     for (size_t i = 0; i < moments_.size(); ++i)
       if (i == 0 || mayMove(moments_[i], n)) checkBounds(n, record, centre, radius, moments_[i]);
+    for (NodeId parent : grid_.parents(n))
+      if (!scene_.pages().hasPage(grid_.slot(parent)))
+        fault(name(n) + " is there, but the page of its parent " + name(parent) + " is not");
     for (NodeId child : grid_.children(n)) {
+      if (!scene_.pages().hasPage(grid_.slot(child))) continue;
       const NodeRecord& below = scene_.node(child);
       if (below.error() > record.error()) fault(name(n) + " has a smaller error than its child " + name(child));
       if (glm::distance(centre, centreOf(child, below)) + radiusOf(child, below) > radius)
@@ -124,7 +128,14 @@ class NodeCheck {
 
 uint64_t checkNodes(const Scene& scene, unsigned threads, Faults& faults) {
   const NodeCheck node(scene, faults);
-  return checkSlots(scene.grid().slotCount(), threads, [&](proto::Slot slot) { return node.check(slot); });
+  const proto::PageDirectory& pages = scene.pages();
+  std::vector<proto::Slot> deep;  // first slots of the pages of sparse levels, by place
+  for (const proto::PageBlock& block : pages.blocks())
+    pages.forEachPage(block, [&](proto::Slot first, uint64_t) { deep.push_back(first); });
+  return checkSlots(scene.records().size(), threads, [&](uint64_t place) {
+    if (place < pages.wholeSlots()) return node.check(place);
+    return node.check(deep[(place - pages.wholeSlots()) / proto::kPageSlots] + place % proto::kPageSlots);
+  });
 }
 
 uint64_t checkBase(const Scene& scene, Faults& faults) {
@@ -153,7 +164,7 @@ Result<VerifyReport> verifyScene(const std::filesystem::path& path, unsigned thr
   report.base_vertices = checkBase(**scene, values);
   checkEpochs(**scene, values);
   report.nodes = checkNodes(**scene, threads, values);
-  report.padding = (*scene)->grid().slotCount() - report.nodes;
+  report.padding = (*scene)->records().size() - report.nodes;
   report.faults = blocks.count() + values.count();
   report.first_faults = blocks.first();
   for (const std::string& fault : values.first()) report.first_faults.push_back(fault);

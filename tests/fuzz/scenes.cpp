@@ -17,7 +17,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   if (!mapped) return 0;
   const std::shared_ptr<const terrain::Scene> scene = *mapped;
   int64_t sum = 0;
-  for (const terrain::NodeRecord& node : scene->nodes()) sum += node.height();
+  for (const terrain::NodeRecord& node : scene->records()) sum += node.height();
   for (int32_t height : scene->cornerHeights()) sum += height;
   for (int32_t height : scene->centreHeights()) sum += height;
   if (auto objects = terrain::readObjects(scene))

@@ -28,7 +28,7 @@ class SceneFile : public testing::Test {
     int64_t sum = scene.heightRange().lowest;
     for (uint32_t y = 0; y <= scene.grid().maxY(); ++y)
       for (uint32_t x = 0; x <= scene.grid().maxX(); ++x) sum += scene.height(proto::NodeId::at(x, y));
-    for (const NodeRecord& node : scene.nodes()) sum += node.error().value + node.radius().value;
+    for (const NodeRecord& node : scene.records()) sum += node.error().value + node.radius().value;
     volatile int64_t kept = sum;
     (void)kept;
   }

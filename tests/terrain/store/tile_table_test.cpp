@@ -156,7 +156,8 @@ TEST(SceneWithTiles, FilesOfVersion3AreReadAndHaveNone) {
   EXPECT_FALSE(Scene::open(folder / "lies.fls").ok());
   // The sections before the tiles as they are, then the table of checksums.
   const auto new_scene = Scene::open(folder / "new.fls");
-  const FileLayout layout = FileLayout::of((*new_scene)->grid(), {.text = header.sections[kText].bytes});
+  const FileLayout layout =
+      FileLayout::of((*new_scene)->grid().shape(), (*new_scene)->pages(), {.text = header.sections[kText].bytes});
   header.tiles = {};
   header.file_bytes = layout.file_bytes;
   header.sections[kChecksums] = layout.sections[kChecksums];
