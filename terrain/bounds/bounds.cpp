@@ -14,8 +14,6 @@ namespace foreland::terrain {
 
 namespace {
 
-constexpr double kPad_m = 1e-5;
-
 // Errors of a row's nodes in metres, not saturated. Each worker has one for each level, with its scratch.
 class PlanarRows {
  public:
@@ -112,7 +110,7 @@ class BoundsPass {
       if (cell < level.cells_y) fillRow(level.level, level.row(2 * s * cell + s), band);
     }
     for (size_t page = 0; page < band.records.size(); page += proto::kPageSlots)
-      widen(first + static_cast<proto::Slot>(page), std::span(band.records).subspan(page, proto::kPageSlots));
+      widenSpheres(job_.grid, first + page, std::span(band.records).subspan(page, proto::kPageSlots));
     if (!job_.store(first, band.records)) stopped_ = true;
     if (level.level == job_.grid.maxLevel()) return;
     const NodeLevel finer(job_.grid, level.level + 1);
@@ -121,17 +119,6 @@ class BoundsPass {
         const auto [slot, idle] = slots(finer, below);
         job_.onIdle(job_.nodes.subspan(slot, idle));
       }
-  }
-
-  // Gives all nodes of a page the largest of their radii; padding stays zero.
-  void widen(proto::Slot first, std::span<NodeRecord> page) const {
-    proto::QuantisedRadius most;
-    for (const NodeRecord& r : page) most = std::max(most, r.radius());
-    for (size_t i = 0; i < page.size(); ++i) {
-      NodeRecord& r = page[i];
-      if (r != NodeRecord{} || job_.grid.node(first + static_cast<proto::Slot>(i)) != proto::NodeId{})
-        r = NodeRecord::of(r.height(), r.displacement(), r.error(), most);
-    }
   }
 
   static std::vector<RowPositions> extremesOf(const BoundsJob& job, const proto::GeographicTables& tables) {
@@ -164,7 +151,7 @@ class BoundsPass {
                            std::max({proto::QuantisedError::roundUp(band.errors_m[i] + job_.rounding_m),
                                      proto::QuantisedError{band.child_errors[i]},
                                      minError(band.first + static_cast<proto::Slot>(record - band.records.data()))}),
-                           levels_.roundUp(level, band.radii_m[i] + kPad_m));
+                           levels_.roundUp(level, band.radii_m[i] + kSpherePad_m));
       }
     });
   }

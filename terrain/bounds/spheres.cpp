@@ -11,6 +11,16 @@ constexpr double kEmpty = -1e300;  // the radius of an empty sphere: nothing has
 
 }  // namespace
 
+void widenSpheres(const proto::GridTopology& grid, proto::Slot first, std::span<NodeRecord> page) {
+  proto::QuantisedRadius most;
+  for (const NodeRecord& r : page) most = std::max(most, r.radius());
+  for (size_t i = 0; i < page.size(); ++i) {
+    NodeRecord& r = page[i];
+    if (r != NodeRecord{} || grid.node(first + i) != proto::NodeId{})
+      r = NodeRecord::of(r.height(), r.displacement(), r.error(), most);
+  }
+}
+
 RowPositions::RowPositions(const proto::GridTopology& grid, const proto::Frame& frame, const Heights& heights,
                            const proto::GeographicTables& tables)
     : grid_(&grid),

@@ -17,6 +17,12 @@
 
 namespace foreland::terrain {
 
+// By how much a sphere holds its children's with room to spare.
+inline constexpr double kSpherePad_m = 1e-5;
+
+// Gives all nodes of a page (from slot `first` on) the largest of their radii; padding stays zero.
+void widenSpheres(const proto::GridTopology& grid, proto::Slot first, std::span<NodeRecord> page);
+
 // Scene positions of lattice points, several at a time. Immutable; any thread.
 class RowPositions {
  public:
