@@ -24,7 +24,7 @@
 
 namespace foreland::proto {
 
-inline constexpr uint32_t kProtocolVersion = 14;
+inline constexpr uint32_t kProtocolVersion = 15;
 
 // What a client spends, unless told otherwise, on terrain that it has been sent and does not need now.
 inline constexpr uint32_t kDefaultMemoryBytes = 16u << 20;

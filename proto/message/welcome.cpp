@@ -195,7 +195,7 @@ Result<Welcome> readWelcome(const fb::Welcome& m) {
   out.title = text(m.title(), kMaxTextBytes);
   out.crs = text(m.crs(), kMaxTextBytes);
   const fb::Shape& s = *m.shape();
-  out.shape = {s.roots_x(), s.roots_y(), s.root_log2(), s.samples_x(), s.samples_y()};
+  out.shape = {s.roots_x(), s.roots_y(), s.root_log2(), s.samples_x(), s.samples_y(), s.sparse_levels()};
   if (auto grid = GridTopology::create(out.shape); !grid) return grid.error();
   auto frame = frameOf(m.frame(), out.shape);
   if (!frame) return frame.error();
@@ -316,8 +316,8 @@ Bytes encode(const Welcome& m) {
   const auto vertical = putVertical(b, m.vertical);
   const auto title = b.CreateString(m.title), crs = b.CreateString(m.crs);
   const auto frame = putFrame(b, m.frame);
-  const auto shape =
-      fb::CreateShape(b, m.shape.roots_x, m.shape.roots_y, m.shape.root_log2, m.shape.samples_x, m.shape.samples_y);
+  const auto shape = fb::CreateShape(b, m.shape.roots_x, m.shape.roots_y, m.shape.root_log2, m.shape.samples_x,
+                                     m.shape.samples_y, m.shape.sparse_levels);
   const auto corners = b.CreateVector(m.corner_heights), centres = b.CreateVector(m.centre_heights);
   const auto body = fb::CreateWelcome(b, kProtocolVersion, m.scene_id, title, crs, frame, shape, m.lowest, m.highest,
                                       corners, centres, m.tau_px, static_cast<uint32_t>(m.keyframe_interval.us), models,

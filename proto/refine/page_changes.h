@@ -15,7 +15,11 @@ namespace foreland::proto {
 class PageChanges {
  public:
   PageChanges(const GridTopology& grid, Frontier& frontier, AdaptScratch& scratch)
-      : neighbours_(grid, frontier.nodes()), frontier_(frontier), nodes_(frontier.nodes()), scratch_(scratch) {}
+      : grid_(grid),
+        neighbours_(grid, frontier.nodes()),
+        frontier_(frontier),
+        nodes_(frontier.nodes()),
+        scratch_(scratch) {}
   void grow() {}
 
   void remove(int level, std::span<const PagedBits> changed) {
@@ -53,7 +57,9 @@ class PageChanges {
       if (number != Frontier::Nodes::kNone)
         scratch_.markUndecided(number, addable);
       else
-        addable.forEach([&](uint8_t low) { scratch_.pending.push_back(first | low); });
+        addable.forEach([&](uint8_t low) {
+          if (isNew(changed, level + 1, first | low)) scratch_.pending.push_back(first | low);
+        });
     });
   }
 
@@ -69,6 +75,19 @@ class PageChanges {
   }
   SlotBits withChild(int level, Slot first) const {
     return neighbours_.withChild(level, neighbours_.placeOf(level, first));
+  }
+
+  // Whether an addable node of a page that does not exist has become so by nodes that have come. All have, but for
+  // those of pages that are not there, of which the others have been asked about before.
+  bool isNew(std::span<const PagedBits> come, int level, Slot slot) const {
+    if (level <= grid_.wholeLevels()) return true;
+    const auto hasCome = [&](NodeId parent) {
+      const Slot at = grid_.slot(parent, level - 1), page = at - lowOf(at);
+      const auto found = std::ranges::lower_bound(
+          come, page, {}, [&](const PagedBits& some) { return nodes_.page(some.number).first(); });
+      return found != come.end() && nodes_.page(found->number).first() == page && found->nodes.has(lowOf(at));
+    };
+    return std::ranges::any_of(grid_.parents(grid_.node(slot), level), hasCome);
   }
 
   void begin() {
@@ -94,6 +113,7 @@ class PageChanges {
     scratch_.undecided[number] = scratch_.undecided[number] - leaving;
   }
 
+  const GridTopology& grid_;
   const PageNeighbours neighbours_;
   Frontier& frontier_;
   const Frontier::Nodes& nodes_;

@@ -27,6 +27,7 @@ class Model:
         self.height = [[[Number() for _ in range(2)] for _ in range(4)] for _ in range(28)]
         self.escape = contexts(32)
         self.radius = contexts(8)
+        self.has_page = contexts(8)
 
 
 class RangeDecoder:
@@ -115,7 +116,7 @@ class DeltaDecoder:
         self.coder, self.model, self.grid = coder, model, grid
         self.height_of, self.displacement_of = height_of, displacement_of
         self.quanta = [m * (1 / height_quantum_m) for m in ERROR_M]
-        self.before = 0
+        self.before = self.pages_before = 0
 
     def begin_group(self):
         self.before = 0
@@ -158,23 +159,47 @@ class DeltaDecoder:
         require(abs(height) <= MOST_HEIGHT, "an absurd height")
         return height
 
+    def has_page(self):
+        is_there = self.coder.bit(self.model.has_page[self.pages_before])
+        self.pages_before = (2 * self.pages_before + is_there) & 7
+        return is_there
+
     def radius(self):
         value = self.coder.tree(3, self.model.radius)
         return min(value + self.coder.even(8), 127) if value == 7 else value
 
 
 def section_contexts():
-    """The contexts of the sections of a resume message: [level][before]."""
-    return [contexts(8) for _ in range(31)]
+    """The contexts of the sections of a resume message: [level][before], and last those of pages."""
+    return [contexts(8) for _ in range(32)]
 
 
-def read_section(coder, model, last_level, first_level, children, sure=frozenset()):
+class PageBits:
+    """Which pages of sparse levels have a node of a section; those of nodes that are `sure` unasked."""
+
+    def __init__(self, coder, model, sure):
+        self.coder, self.model, self.before, self.sure = coder, model[-1], 0, {slot >> 8 for slot in sure}
+
+    def has_any(self, page):
+        if page in self.sure:
+            return True
+        bit = self.coder.bit(self.model[self.before])
+        self.before = (2 * self.before + bit) & 7
+        return bit
+
+
+def read_section(coder, model, last_level, first_level, children, sure=frozenset(), whole_levels=31):
     """The slots of a section in a resume message, those that are `sure` unasked. `children(slots)` are those that have all their
     parents among them and one at least on the last level of these."""
-    slots, candidates = set(), first_level
+    slots, candidates, pages = set(), first_level, PageBits(coder, model, sure)
     for level in range(1, last_level + 1):
-        before, included = 0, set()
+        before, included, asked = 0, set(), {}
         for slot in sorted(candidates):
+            if level > whole_levels:
+                if slot >> 8 not in asked:
+                    asked[slot >> 8] = pages.has_any(slot >> 8)
+                if not asked[slot >> 8]:
+                    continue
             decision = 1 if slot in sure else coder.bit(model[level][before])
             before = (2 * before + decision) & 7
             if decision:
@@ -193,13 +218,14 @@ def read_sections(data, grid, surfaces):
         below = {c.slot: c for s in included for c in (grid.node(*v) for v in nodes[s].children) if slots.issuperset(c.parents)}
         nodes.update(below)
         return set(below)
-    terrain = read_section(coder, section_contexts(), grid.last_level, set(nodes), children_in_grid)
+    terrain = read_section(coder, section_contexts(), grid.last_level, set(nodes), children_in_grid, whole_levels=grid.last_whole_level)
     model, objects = section_contexts(), []
     for surface in surfaces:
         def children(slots, included):
             return {c for s in included for c in surface.children(s) if slots.issuperset(surface.nodes[c].parents)}
         objects.append(read_section(coder, model, surface.last_level, set(surface.first_level), children))
-    known = read_section(coder, section_contexts(), grid.last_level, {n.slot for n in grid.first_level()}, children_in_grid, terrain)
+    known = read_section(coder, section_contexts(), grid.last_level, {n.slot for n in grid.first_level()}, children_in_grid, terrain,
+                         grid.last_whole_level)
     number, escape, finest, before = Number(), contexts(32), {}, 49
     for page in sorted({slot >> 8 for slot in known}):
         finest[page] = before = keep(before + read_number(coder, number, 0, escape), 0, 255)

@@ -6,6 +6,7 @@
 #include "proto/message/message.h"
 #include "terrain/surface/bounds.h"
 #include "tests/support/scene.h"
+#include "tests/support/sparse_scene.h"
 #include "tests/support/surfaces.h"
 
 namespace foreland::test {
@@ -232,6 +233,25 @@ Script movingScript(const char* name, proto::EpochBlend blend) {
   return s;
 }
 
+// Over country that is fine in two places, with little memory, which forgets pages and asks about them again; a lost
+// connection after which the section is presented.
+Script sparseScript() {
+  constexpr auto kPath = proto::Predictor::kConstantVelocity;
+  const auto scene = makeSparseScene(300, 200, [](uint32_t x, uint32_t y) { return country(x, y, 90); },
+                                     proto::FrameKind::kPlanar, 4, {{70, 60, 25}, {200, 130, 12}});
+  Script s{"sparse", std::make_shared<server::World>(scene), {}, {}, at(12.5)};
+  s.route = {{at(0), {-1200, -700, 900}, {1, 0.7, -0.5}},
+             {at(2.5), {-700, -300, 500}, {1, 0.6, -0.5}},
+             {at(4), {-300, 0, 700}, {0.9, 0.6, -0.8}},
+             {at(5), {-200, 0, 800}, {-1, -0.5, -0.8}},
+             {at(7), {400, 200, 600}, {0.5, 0.4, -0.6}}};
+  const Bytes greeting = proto::encode(request({1.0, 320, 240}, 6, proto::Strategy::kPredict, kPath, 20'000));
+  s.cues = {{at(0), greeting, Cue::What::kConnect},
+            {at(3.01), {}, Cue::What::kDisconnect},
+            {at(3.4), greeting, Cue::What::kConnect}};
+  return s;
+}
+
 }  // namespace
 
 proto::Pose Script::poseAt(Duration t) const {
@@ -249,7 +269,8 @@ std::vector<Script> goldenScripts() {
           posesScript(),
           movingScript("moving", proto::EpochBlend::kLinear),
           movingScript("moving-catmull-rom", proto::EpochBlend::kCatmullRom),
-          movingScript("moving-b-spline", proto::EpochBlend::kBSpline)};
+          movingScript("moving-b-spline", proto::EpochBlend::kBSpline),
+          sparseScript()};
 }
 
 }  // namespace foreland::test

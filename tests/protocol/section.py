@@ -121,7 +121,7 @@ class Test:
 
 
 def fingerprint(slot):
-    h = (slot + 1) * 0x9E3779B1 & 0xFFFFFFFF
+    h = ((slot + 1) * 0x9E3779B1 ^ (slot >> 32) * 0x27D4EB2F) & 0xFFFFFFFF
     h = (h ^ (h >> 15)) * 0x85EBCA77 & 0xFFFFFFFF
     h = (h ^ (h >> 13)) * 0xC2B2AE3D & 0xFFFFFFFF
     return h ^ (h >> 16)
@@ -334,10 +334,16 @@ class Section:
         return len(removed)
 
     def add(self, level, addable, arriving):
+        absent = set()
         for slot, n in sorted(arriving[level].items()):
             if slot >> 8 in self.memory:
                 self.memory.remove(slot >> 8)
+            elif slot >> 8 in absent:
+                continue
             elif slot >> 8 not in self.pages:
+                if level > self.grid.last_whole_level and not self.delta.has_page():
+                    absent.add(slot >> 8)
+                    continue
                 self.pages[slot >> 8] = Page(self.delta.radius())
             self.nodes[slot] = n
             self.list(slot, 255)

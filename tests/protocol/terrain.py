@@ -108,13 +108,15 @@ class Grid:
         self.max_x, self.max_y = self.roots_x << k, self.roots_y << k
         require(2 <= shape["samples_x"] <= self.max_x + 1 and 2 <= shape["samples_y"] <= self.max_y + 1, "samples beyond the roots")
         self.last_level = 2 * k - 1
+        require(shape["sparse_levels"] <= 2 * k - 2 and self.max_x * self.max_y <= 1 << 37, "too many sparse levels, or positions")
+        self.last_whole_level = self.last_level - shape["sparse_levels"]
         self.offset, self.tiles_x = [0, 0], [0]
         for level in range(1, self.last_level + 1):
             sides = level & 1
             tiles_x, tiles_y = (((roots << (level // 2)) + sides + 15) // 16 for roots in (self.roots_x, self.roots_y))
             self.tiles_x.append(tiles_x)
             self.offset.append(self.offset[-1] + 256 * tiles_x * tiles_y * (2 if sides else 1))
-        require(self.offset[-1] < (1 << 32) - 1, "too many slots")
+        require(self.offset[self.last_whole_level + 1] < (1 << 32) - 1, "too many slots")
         self.nodes = {}  # by slot, as they are asked for
 
     def scale(self, x, y):

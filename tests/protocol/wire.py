@@ -4,7 +4,7 @@ import math
 import struct
 from dataclasses import dataclass
 
-VERSION = 14
+VERSION = 15
 CONTROL, POSE, KEYFRAME, RESUME = 1, 2, 3, 4  # the kind byte
 POSE_AFTER, KEYFRAME_AFTER = 5, 6  # its lower three bits
 TILE = 7
@@ -71,7 +71,7 @@ TABLES = {
               ("map_origin_m", "Vec2"), ("latitude0_rad", "double"), ("longitude0_rad", "double"),
               ("latitude_step_rad", "double"), ("longitude_step_rad", "double"), ("semi_major_m", "double"),
               ("flattening", "double"), ("origin", "Geodetic")],
-    "Shape": [(name, "uint") for name in ("roots_x", "roots_y", "root_log2", "samples_x", "samples_y")],
+    "Shape": [(name, "uint") for name in ("roots_x", "roots_y", "root_log2", "samples_x", "samples_y", "sparse_levels")],
     "ViewRequest": [("protocol", "uint"), ("lens", "Lens"), ("tau_px", "double"), ("strategy", "ubyte"), ("predictor", "ubyte"),
                     ("keyframe_interval_us", "uint"), ("max_triangles", "uint"), ("max_bytes_per_second", "uint"),
                     ("occlusion", "bool"), ("memory_bytes", "uint"), ("tile_contents", "ubyte"), ("tile_bytes", "uint"),
