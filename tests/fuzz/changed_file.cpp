@@ -71,6 +71,9 @@ SoundFile::SoundFile(Bytes bytes) : bytes_(std::move(bytes)) {
     if constexpr (requires { header.tiles; })
       if (header.tiles.bytes > 0)
         places_.push_back({at + header.tiles.offset, std::min<size_t>(header.tiles.bytes, kLongestPlace)});
+    if constexpr (requires { header.pages; })
+      if (header.pages.bytes > 0)
+        places_.push_back({at + header.pages.offset, std::min<size_t>(header.pages.bytes, kLongestPlace)});
   });
   CHECK_GT(places_.size(), 1u);
 }

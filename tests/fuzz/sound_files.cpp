@@ -2,12 +2,14 @@
 
 #include "base/check.h"
 #include "terrain/pipeline/build.h"
+#include "terrain/store/mapped_scene.h"
 #include "terrain/surface/bounds.h"
 #include "terrain/surface/shapes.h"
 #include "terrain/surface_store/write_surface.h"
 #include "tests/fuzz/changed_file.h"
 #include "tests/support/files.h"
 #include "tests/support/scene.h"
+#include "tests/support/sparse_scene.h"
 #include "tests/support/surfaces.h"
 
 namespace foreland::test {
@@ -68,6 +70,12 @@ SoundFile movingSceneFile(proto::EpochBlend blend) {
   return SoundFile(readWhole(folder / "scene.fls"));
 }
 
+SoundFile sparseSceneFile() {
+  const auto scene = makeSparseScene(70, 40, hills(1), proto::FrameKind::kPlanar, 2, {{20, 20, 4}});
+  const ByteSpan bytes = dynamic_cast<const terrain::MappedScene&>(*scene).file();
+  return SoundFile(Bytes(bytes.begin(), bytes.end()));
+}
+
 SoundFile surfaceFile(proto::MeshRule rule, uint32_t texels_a_side, const std::vector<Time>& pose_times = {}) {
   const TemporaryFolder folder;
   writeSurface(folder / "surface.fls", rule, texels_a_side, pose_times);
@@ -84,6 +92,7 @@ std::vector<SoundFile> makeScenes() {
   scenes.push_back(sceneFile(9, proto::FrameKind::kPlanar, {{model, {10, 20}}, {model, {-20, 10}, 1, 30, 2}}));
   for (const auto blend : {proto::EpochBlend::kLinear, proto::EpochBlend::kCatmullRom, proto::EpochBlend::kBSpline})
     scenes.push_back(movingSceneFile(blend));
+  scenes.push_back(sparseSceneFile());
   return scenes;
 }
 

@@ -14,8 +14,8 @@ struct Disc {
   double x, y, radius;
 
   bool meets(const proto::LatticeWindow& w) const {
-    const double dx = std::clamp(x, double{w.x}, w.x + w.width - 1.0) - x,
-                 dy = std::clamp(y, double{w.y}, w.y + w.height - 1.0) - y;
+    const double dx = std::clamp<double>(x, w.x, w.x + w.width - 1.0) - x,
+                 dy = std::clamp<double>(y, w.y, w.y + w.height - 1.0) - y;
     return dx * dx + dy * dy <= radius * radius;
   }
 };
