@@ -177,14 +177,14 @@ class Adapter<Tester>::Step {
     for (size_t k = 0; k < scratch_.candidates.size(); ++k) {
       SlotBits left = scratch_.candidates[k].nodes;
       while (left.any()) {
-        runWithBitInstructions([&]() __attribute__((always_inline)) { left = fill(level, k, left); });
+        runWithBitInstructions([&]() FORELAND_WITH_BIT_INSTRUCTIONS { left = fill(level, k, left); });
         if (scratch_.columns.count == Tester::kSize && !decide(level)) return false;
       }
     }
     return scratch_.columns.count == 0 || decide(level);
   }
   // Puts nodes of a page of candidates into the columns, and returns those for which there is no room.
-  [[gnu::always_inline]] SlotBits fill(int level, size_t k, const SlotBits& nodes) {
+  FORELAND_WITH_BIT_INSTRUCTIONS SlotBits fill(int level, size_t k, const SlotBits& nodes) {
     const CandidatePage& some = scratch_.candidates[k];
     const FrontierPage& page = nodes_.page(some.number);
     const auto names = topology_.pageNodes(level, page.first());

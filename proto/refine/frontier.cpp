@@ -38,8 +38,9 @@ namespace {
 
 // From the back, so that each of the others moves once.
 template <class Rest>
-[[gnu::always_inline]] inline void insertEntries(const SlotBits& old, const SlotBits& nodes, uint32_t more,
-                                                 uint32_t end, FrontierEntry blank, uint32_t* bits, Rest* rest) {
+FORELAND_WITH_BIT_INSTRUCTIONS inline void insertEntries(const SlotBits& old, const SlotBits& nodes, uint32_t more,
+                                                         uint32_t end, FrontierEntry blank, uint32_t* bits,
+                                                         Rest* rest) {
   uint32_t before = end;  // of the old entries
   for (uint32_t w = 4; w-- > 0;) {
     const uint64_t old_word = old.words[w];
@@ -62,8 +63,8 @@ template <class Rest>
 
 // How many have gone.
 template <class Rest>
-[[gnu::always_inline]] inline uint32_t eraseEntries(const SlotBits& old, const SlotBits& nodes, uint32_t count,
-                                                    uint32_t* bits, Rest* rest) {
+FORELAND_WITH_BIT_INSTRUCTIONS inline uint32_t eraseEntries(const SlotBits& old, const SlotBits& nodes, uint32_t count,
+                                                            uint32_t* bits, Rest* rest) {
   uint32_t gone = 0, at = 0;
   const auto moveUpTo = [&](uint32_t end) {
     for (; gone > 0 && at < end; ++at) {
@@ -84,7 +85,7 @@ template <class Rest>
 
 void Frontier::enter(uint32_t number, const SlotBits& nodes, FrontierEntry blank) {
   if (!nodes.any()) return;
-  runWithBitInstructions([&]() __attribute__((always_inline)) {
+  runWithBitInstructions([&]() FORELAND_WITH_BIT_INSTRUCTIONS {
     const uint32_t more = nodes.count();
     EntryBlock& block = blocks_[number];
     const uint32_t end = block.count;
@@ -101,7 +102,7 @@ void Frontier::enter(uint32_t number, const SlotBits& nodes, FrontierEntry blank
 }
 
 void Frontier::leave(uint32_t number, const SlotBits& nodes) {
-  runWithBitInstructions([&]() __attribute__((always_inline)) {
+  runWithBitInstructions([&]() FORELAND_WITH_BIT_INSTRUCTIONS {
     EntryBlock& block = blocks_[number];
     const SlotBits& old = page(number).on_frontier;
     const uint32_t gone = pool_.kind() == EntryKind::kSwept

@@ -53,7 +53,8 @@ ViewerOcclusion::ViewerOcclusion(const Hierarchy& hierarchy, const SceneOcclusio
       scene_(scene),
       test_(hierarchy, scene),
       options_(options),
-      spans_(intervals_, scene.grid.get()),
+      spans_(intervals_, scene.grid.get(), PathSpans::kLasting),
+      object_spans_(intervals_, nullptr, PathSpans::kTight),
       proofs_(hierarchy.grid()) {
   if (scene.objects) objects_.emplace(hierarchy.objects(), *scene.objects);
 }
@@ -68,13 +69,14 @@ void ViewerOcclusion::begin(const proto::View& view) {
   last_ray_ = statistics_.rays + options_.rays;
   expectNumbered(eye_path_ ? std::move(*eye_path_) : restingIn(view, keyframe_));
   eye_path_.reset();
-  if (has_new_lens) spans_.clear();
+  if (has_new_lens) clearSpans();
   spans_.revise(keyframe_);
+  if (objects_) object_spans_.revise(keyframe_);
   if (spans_.bytes() > options_.horizon_bytes / 2) spans_.dropHorizons();
   horizon_bytes_ = spans_.bytes();
   if (has_new_lens || view.tau_px > tau_px_) {
     tau_px_ = (tau_px_ > 0 ? kSpareTau : 1) * view.tau_px;
-    spans_.invalidate(keyframe_);
+    invalidateSpans();
   }
   if (keyframe_ % kUnusedKeyframes == 0) proofs_.forgetUnused(keyframe_ - kUnusedKeyframes);
   if (objects_) beginObjects();
@@ -88,12 +90,22 @@ void ViewerOcclusion::expectNumbered(PredictedEyePath eye_path) {
     origin_ = eye_path.first & -kUnit;
     proofs_ = BlockProofs(hierarchy_.grid());
     if (objects_) objects_->forget();
-    spans_.clear();
-    spans_.invalidate(keyframe_);
+    clearSpans();
+    invalidateSpans();
   }
   eye_path.first -= origin_;
   eye_path.last -= origin_;
   intervals_.expect(std::move(eye_path));
+}
+
+void ViewerOcclusion::clearSpans() {
+  spans_.clear();
+  object_spans_.clear();
+}
+
+void ViewerOcclusion::invalidateSpans() {
+  spans_.invalidate(keyframe_);
+  object_spans_.invalidate(keyframe_);
 }
 
 Tolerance ViewerOcclusion::toleranceFor(Towards towards) const {
@@ -150,17 +162,25 @@ bool ViewerOcclusion::isBehindObject(uint32_t scale, uint32_t i, uint32_t j, con
   return hideFrom(*scene_.objects, eyes, corners, kBulge_m, solid_hint_, statistics_.queries);
 }
 
+// By a horizon of the blocks' spans that is for all of the eyes, and more.
+bool ViewerOcclusion::isBehindRidge(const PathSpan& span, std::span<const glm::dvec3> points, Towards towards) {
+  ++statistics_.tests;
+  PathSpan* wider = spans_.at(PathSpans::kLengths - 1, std::max(span.begin, intervals_.first()));
+  if (!wider || !wider->eyes.contains(span.eyes)) wider = &spans_.now();
+  if (!wider->eyes.contains(span.eyes)) return false;
+  Horizon* const horizon = horizonOf(*wider);
+  return horizon && testBehind(*horizon, [&] { return test_.isBehind(points, toleranceFor(towards), *horizon); });
+}
+
 // Ridges first, for that costs less.
 void ViewerOcclusion::beginObjects() {
-  constexpr int64_t kWorthOfObject = 3;
+  constexpr int64_t kWorthOfObject = 1;
   const SpanProver::Law law{.worth = kWorthOfObject};
-  ViewerObjects::Keyframe keyframe{
-      *view_, *frustum_, SpanProver(intervals_, spans_, law, keyframe_), intervals_, spans_, {}, {}};
+  ViewerObjects::Keyframe keyframe{*view_,     *frustum_, SpanProver(intervals_, object_spans_, law, keyframe_),
+                                   intervals_, {},        {}};
   if (scene_.grid)
-    keyframe.behind_ridge = [this](PathSpan& span, std::span<const glm::dvec3> points, Towards towards) {
-      ++statistics_.tests;
-      Horizon* const horizon = horizonOf(span);
-      return horizon && testBehind(*horizon, [&] { return test_.isBehind(points, toleranceFor(towards), *horizon); });
+    keyframe.behind_ridge = [this](const PathSpan& span, std::span<const glm::dvec3> points, Towards towards) {
+      return isBehindRidge(span, points, towards);
     };
   if (effort_ == Effort::kFading)
     keyframe.has_faded = [this](size_t object) { return hasFaded({0, static_cast<uint32_t>(object), 0}); };
@@ -201,9 +221,9 @@ void ViewerOcclusion::setEffort(Effort effort) {
 void ViewerOcclusion::forget() {
   proofs_ = BlockProofs(hierarchy_.grid());
   if (objects_) objects_->forget();
-  spans_.clear();
+  clearSpans();
   spans_.dropHorizons();
-  spans_.invalidate(keyframe_);
+  invalidateSpans();
   hidden_in_view_ = 0;
 }
 

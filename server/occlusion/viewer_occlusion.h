@@ -88,6 +88,8 @@ class ViewerOcclusion final : public proto::BlockVisibility, public ObjectVisibi
 
  private:
   void expectNumbered(PredictedEyePath eye_path);
+  void clearSpans();
+  void invalidateSpans();
 
   enum class InView : uint8_t { kNot, kPartly, kWholly };
   InView inView(uint32_t scale, uint32_t i, uint32_t j) const;
@@ -96,6 +98,7 @@ class ViewerOcclusion final : public proto::BlockVisibility, public ObjectVisibi
   bool isBehindObject(uint32_t scale, uint32_t i, uint32_t j, const EyeCapsule& eyes);
   SpanProver prover();
   Horizon* horizonOf(PathSpan& span);
+  bool isBehindRidge(const PathSpan& span, std::span<const glm::dvec3> points, Towards towards);
   template <class Test>
   bool testBehind(Horizon& horizon, const Test& test);
   Tolerance toleranceFor(Towards towards) const;
@@ -114,8 +117,9 @@ class ViewerOcclusion final : public proto::BlockVisibility, public ObjectVisibi
   std::optional<PredictedEyePath> eye_path_;  // expect() said this of the next keyframe.
   int64_t origin_ = 0;                        // Numbers of intervals count from this one in all members.
   EyeIntervals intervals_;
-  PathSpans spans_;
-  double tau_px_ = 0;  // Proofs hold for tolerances up to this one.
+  PathSpans spans_;         // for blocks
+  PathSpans object_spans_;  // for objects
+  double tau_px_ = 0;       // Proofs hold for tolerances up to this one.
   uint32_t keyframe_ = 0;
   Effort effort_ = Effort::kAll;
   uint32_t fading_since_ = 0;  // the first keyframe of the fading

@@ -2,9 +2,11 @@
 // ridges (horizon.h) or by other objects (object_solids.h). An object that is hidden stays its base mesh: its nodes are
 // neither tested nor sent. Which it is needs no word to the client, who is told of changes of objects' sections alone.
 //
-// Proofs are for spans of intervals, as those of blocks (span_proof.h). Queries are cut to capsules of kMaxPiece_m, for
-// what hides from a long one is rare. Only what is in view is tried, and has nodes, or will have some because it is
-// large on the screen. A keyframe makes kMaxQueries at most; what is left is visible.
+// Proofs are for spans of intervals, as those of blocks (span_proof.h), but for fewer eyes (PathSpans::kTight): a query
+// costs a hundredth of what a horizon does, and what hides something from a whole street is rare. Queries are cut to
+// capsules of kMaxPiece_m. Only what is in view is tried, and has nodes, or will have some because it is large on the
+// screen. A keyframe makes kMaxQueries at most, as many as a first view of some thousand objects takes; what is left is
+// visible.
 //
 // One owner (a ViewerOcclusion). The results depend on the calls alone.
 #pragma once
@@ -27,8 +29,8 @@ bool hideFrom(const ObjectSolids& solids, const EyeCapsule& eyes, std::span<cons
 
 class ViewerObjects {
  public:
-  static constexpr double kMaxPiece_m = 8;
-  static constexpr uint64_t kMaxQueries = 2000;
+  static constexpr double kMaxPiece_m = 16;
+  static constexpr uint64_t kMaxQueries = 4000;
   static constexpr size_t kFewestNodes = 16;  // that are worth a query
 
   // Both must outlive it; `solids` are of `objects`.
@@ -36,14 +38,13 @@ class ViewerObjects {
       : objects_(objects), solids_(solids), states_(objects.set.size()) {}
 
   // Whether ridges hide the hull of points from all eyes of a span.
-  using BehindRidge = std::function<bool(PathSpan&, std::span<const glm::dvec3>, Towards)>;
+  using BehindRidge = std::function<bool(const PathSpan&, std::span<const glm::dvec3>, Towards)>;
   // What a keyframe needs; referred to until the next one.
   struct Keyframe {
     const proto::View& view;
     const proto::Frustum& frustum;
     SpanProver prover;
     const EyeIntervals& intervals;
-    const PathSpans& spans;
     BehindRidge behind_ridge;
     // Whether an object is to turn visible since proofs fade; empty: none.
     std::function<bool(size_t object)> has_faded;

@@ -7,8 +7,6 @@ namespace foreland::server {
 namespace {
 
 constexpr double kEyeRounding_m = 0.02;
-// Of predictions that change: now, and in prediction errors for each interval ahead, squared.
-constexpr double kSpare_m = 1.5, kStray = 0.12;
 constexpr double kGuess_m = 0.05;  // an error that no known path has
 
 int64_t divideDown(int64_t a, int64_t b) { return a / b - (a % b < 0 ? 1 : 0); }
@@ -53,10 +51,10 @@ bool EyeIntervals::isPredicted() const { return eye_path_.error_m > kGuess_m; }
 
 EyeCapsule EyeIntervals::shownEyes() const { return hullOf(eyes(first(), last() + 1)); }
 
-double EyeIntervals::room(int64_t interval) const {
+double EyeIntervals::room(int64_t interval, const PredictionRoom& room) const {
   if (!isPredicted()) return kEyeRounding_m;
   const auto ahead = static_cast<double>(std::max<int64_t>(0, interval - last()));
-  return kSpare_m + (0.5 + kStray * ahead * ahead) * eye_path_.error_m;
+  return room.spare_m + (room.errors + room.errors_ahead * ahead * ahead) * eye_path_.error_m;
 }
 
 }  // namespace foreland::server

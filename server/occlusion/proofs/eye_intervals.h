@@ -22,6 +22,12 @@ struct PredictedEyePath {
 // after that; up to `error_m`. Cost: some 100 poses, at most kAhead capsules and half as many again.
 PredictedEyePath eyePathOf(const ExpectedMotion& motion, Time begin, Time end, Duration interval, double error_m);
 
+// By how much later predictions of an interval's eyes are likely to differ: a distance, and in errors of a prediction,
+// for the interval shown and for each one ahead, squared.
+struct PredictionRoom {
+  double spare_m = 1.5, errors = 0.5, errors_ahead = 0.12;
+};
+
 class EyeIntervals {
  public:
   static constexpr int64_t kAhead = 40;  // intervals with eyes of their own while a keyframe is shown; after it, half
@@ -37,8 +43,8 @@ class EyeIntervals {
   std::span<const EyeCapsule> eyes(int64_t begin, int64_t end) const;
   bool isPredicted() const;      // by guess: not along a known path
   EyeCapsule shownEyes() const;  // from first() to last()
-  // Metres by which later predictions are likely to differ for an interval; for the rounding of the same eyes at least.
-  double room(int64_t interval) const;
+  // Metres of room for later predictions of an interval; for the rounding of the same eyes at least.
+  double room(int64_t interval, const PredictionRoom& room) const;
 
  private:
   PredictedEyePath eye_path_{{}, 0, -1, {}, 0};

@@ -90,7 +90,7 @@ int64_t PathSpans::firstChangedAfter(uint32_t keyframe, Lengths lengths) const {
 
 EyeCapsule PathSpans::roomyEyes(const PathSpan& span) const {
   EyeCapsule eyes = hullOf(intervals_.eyes(span.begin, span.end));
-  eyes.radius_m += intervals_.room(span.end - 1);
+  eyes.radius_m += intervals_.room(span.end - 1, shape_.room);
   return eyes;
 }
 
@@ -128,7 +128,7 @@ PathSpan& PathSpans::now() {
           .eyes = hullOf(intervals_.eyes(intervals_.first(), intervals_.last() + 2)),
           .earlier_eyes = {},
           .horizon = nullptr};
-  now_.eyes.radius_m += 0.5 * intervals_.room(intervals_.last());
+  now_.eyes.radius_m += 0.5 * intervals_.room(intervals_.last(), shape_.room);
   return now_;
 }
 

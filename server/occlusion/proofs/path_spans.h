@@ -31,8 +31,20 @@ class PathSpans {
   static constexpr size_t kLengths = 2;  // the longest first
   using Lengths = uint8_t;               // a set of them: bits
 
+  // How many intervals the spans have, as logarithms, along known paths and along guessed ones, which are soon others;
+  // and the room that there is for these to change.
+  struct Shape {
+    std::array<uint32_t, kLengths> known_log2, guess_log2;
+    PredictionRoom room;
+  };
+  // For proofs that cost much: they are to last.
+  static constexpr Shape kLasting{{4, 3}, {3, 2}, {}};
+  // For proofs that cost little: the less eyes they are for, the more is hidden.
+  static constexpr Shape kTight{{2, 1}, {1, 0}, {.spare_m = 0.2, .errors = 0.2, .errors_ahead = 0.05}};
+
   // Both must outlive it; `grid` may be null.
-  PathSpans(const EyeIntervals& intervals, const HorizonGrid* grid) : intervals_(intervals), grid_(grid) {}
+  PathSpans(const EyeIntervals& intervals, const HorizonGrid* grid, const Shape& shape)
+      : intervals_(intervals), grid_(grid), shape_(shape) {}
 
   // After the intervals' eyes are those of a keyframe, whose numbers increase from 1.
   void revise(uint32_t keyframe);
@@ -66,12 +78,13 @@ class PathSpans {
 
  private:
   static constexpr size_t kHeld = 32;  // of a length
-  static constexpr std::array<uint32_t, kLengths> kKnownLog2{4, 3}, kGuessLog2{3, 2};
-  // There is room for all of eyePathOf().
-  static_assert(EyeIntervals::kMaxShown + EyeIntervals::kAhead / 2 <= int64_t{kHeld - 2} << kGuessLog2.back());
+  // There is room for all of eyePathOf(), or at least for what is expected of a keyframe that is shown in time.
+  static_assert(EyeIntervals::kMaxShown + EyeIntervals::kAhead / 2 <= int64_t{kHeld - 2} << kLasting.guess_log2.back());
+  static_assert(EyeIntervals::kAhead / 2 + 4 <= int64_t{kHeld - 2} << kTight.guess_log2.back());
 
-  // Guesses are soon others, so spans of them are short.
-  uint32_t intervalsLog2(size_t length) const { return (intervals_.isPredicted() ? kGuessLog2 : kKnownLog2)[length]; }
+  uint32_t intervalsLog2(size_t length) const {
+    return (intervals_.isPredicted() ? shape_.guess_log2 : shape_.known_log2)[length];
+  }
 
   struct Change {
     uint32_t keyframe;
@@ -87,6 +100,7 @@ class PathSpans {
 
   const EyeIntervals& intervals_;
   const HorizonGrid* grid_;
+  const Shape shape_;
   std::array<std::array<PathSpan, kHeld>, kLengths> held_;
   PathSpan now_;
   std::vector<std::shared_ptr<Horizon>> spare_;  // their memory is used again

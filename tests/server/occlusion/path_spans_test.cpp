@@ -22,8 +22,9 @@ glm::dvec3 straight(int64_t i) { return {30.0 * static_cast<double>(i), 0, 500};
 
 // PathSpans that are asked for all that they have, as many as there are.
 struct Asked {
-  EyeIntervals intervals;
-  PathSpans spans{intervals, nullptr};
+  PathSpans::Shape shape = PathSpans::kLasting;
+  EyeIntervals intervals{};
+  PathSpans spans{intervals, nullptr, shape};
 
   void expect(const PredictedEyePath& eye_path, uint32_t keyframe) {
     intervals.expect(eye_path);
@@ -33,10 +34,13 @@ struct Asked {
   }
 };
 
+class Spans : public testing::TestWithParam<PathSpans::Shape> {};
+INSTANTIATE_TEST_SUITE_P(Shapes, Spans, testing::Values(PathSpans::kLasting, PathSpans::kTight));
+
 constexpr PathSpans::Lengths kAll = (1u << PathSpans::kLengths) - 1;
 
-TEST(PathSpans, OfAKnownPathNeverChange) {
-  Asked asked;
+TEST_P(Spans, OfAKnownPathNeverChange) {
+  Asked asked{.shape = GetParam()};
   uint32_t revision = 0;
   for (uint32_t keyframe = 1; keyframe < 100; ++keyframe) {
     asked.expect(eyePathAt(keyframe, 0, straight), keyframe);
@@ -76,12 +80,12 @@ struct Proof {
 // Whatever is expected: a proof of keyframe k for interval i holds as long as firstChangedAfter(k) > i, and then the
 // eyes of the interval lie in those of that keyframe. When it ceases to hold for intervals that are shown, the revision
 // says so.
-TEST(PathSpans, HoldTheEyesOfTheProofsThatHold) {
+TEST_P(Spans, HoldTheEyesOfTheProofsThatHold) {
   const uint64_t seed = test::randomSeed();
   SCOPED_TRACE(seed);
   Rng rng(seed);
-  Asked asked;
-  const auto& [intervals, spans] = asked;
+  Asked asked{.shape = GetParam()};
+  const auto& [shape, intervals, spans] = asked;
   std::vector<Proof> proofs;
   uint64_t held = 0, lost = 0;
   double bend = 0;
@@ -124,11 +128,11 @@ TEST(PathSpans, HoldTheEyesOfTheProofsThatHold) {
 }
 
 // However many intervals a keyframe is shown for. What there is no room for is not proved at all.
-TEST(PathSpans, ForgetNoProofThatCeasesToHold) {
+TEST_P(Spans, ForgetNoProofThatCeasesToHold) {
   for (const int64_t shown : {1, 2, 20, 40, 41, 50, 100, 101, 130, 400, 3000})
     for (const double error_m : {0.0, 1.0}) {
-      Asked asked;
-      const auto& [intervals, spans] = asked;
+      Asked asked{.shape = GetParam()};
+      const auto& [shape, intervals, spans] = asked;
       const auto eyePathOver = [&](int64_t first, const glm::dvec3& offset) {
         PredictedEyePath eye_path{Duration::milliseconds(20), first, first + shown - 1, {}, error_m};
         for (int64_t i = first; i < first + shown + 20; ++i)
@@ -155,7 +159,7 @@ TEST(PathSpans, ForgetNoProofThatCeasesToHold) {
 // A span is for far more eyes than are expected by now, and nobody asks for it before the eyes are elsewhere.
 TEST(PathSpans, HoldTheEyesOfProofsThatAreNotAskedForAgain) {
   EyeIntervals intervals;
-  PathSpans spans(intervals, nullptr);
+  PathSpans spans(intervals, nullptr, PathSpans::kLasting);
   const auto revise = [&](uint32_t keyframe, double radius_m, const glm::dvec3& offset) {
     PredictedEyePath eye_path = eyePathAt(16, 0, [&](int64_t i) { return straight(i) + offset; });
     for (EyeCapsule& eyes : eye_path.eyes) eyes.radius_m = radius_m;
