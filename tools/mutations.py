@@ -69,6 +69,11 @@ MUTATIONS = [
     of("sweep: any error, no tolerance", "proto/refine/sweep", "tolerance + k.of_error * K", "0.0f", "proto_test:Sweep*"),
     of("sweep: nearly beside a plane, too little", "proto/refine/sweep", "(beside2 * 16 < d2 ? k.of_side + k.of_steep : k.of_side)", "k.of_side",
        "proto_test:Sweep*"),
+    of("sweep: unknown heights", "proto/refine/sweep", "((is_in_section & fails) | (~is_in_section & passes)) & is_known",
+       "(is_in_section & fails) | (~is_in_section & passes)", "proto_test:Sweep*"),
+    of("sweep: hidden entries never tested", "proto/refine/sweep", "~(is_hidden & leave)", "~is_hidden", "proto_test:Sweep*"),
+    of("sweep: packed bytes out of order", "proto/refine/sweep", "_mm256_setr_epi32(0, 4, 1, 5, 2, 6, 3, 7)",
+       "_mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7)", "proto_test:Sweep*"),
     of("bound: off by one", "proto/refine", "(c.in_section[i] != 0 ? 0 : 1)", "0", ADAPT, DELTA),
     # the codec
     of("height: prediction", "proto/codec", "3 * curve()", "2 * curve()", DELTA),

@@ -245,12 +245,14 @@ class Adapter<Tester>::Step {
   size_t keep(Which which) {
     size_t count = 0;
     scratch_.changed.clear();
-    for (const CandidatePage& c : scratch_.candidates) {
-      const SlotBits nodes = which == Which::kLeaves ? c.in_section : c.nodes - c.in_section;
-      if (!nodes.any()) continue;
-      scratch_.changed.push_back({c.number, nodes});
-      count += nodes.count();
-    }
+    runWithBitInstructions([&]() FORELAND_WITH_BIT_INSTRUCTIONS {
+      for (const CandidatePage& c : scratch_.candidates) {
+        const SlotBits nodes = which == Which::kLeaves ? c.in_section : c.nodes - c.in_section;
+        if (!nodes.any()) continue;
+        scratch_.changed.push_back({c.number, nodes});
+        count += nodes.count();
+      }
+    });
     return count;
   }
 

@@ -37,6 +37,8 @@ void EntryPool::move(EntryBlock& block, uint8_t size) {
   block = next;
 }
 
+size_t EntryPool::heldByCopy(const EntryBlock& block) { return kSizes[sizeFor(block.count)]; }
+
 EntryBlock EntryPool::copy(const EntryPool& from, const EntryBlock& block) {
   EntryBlock to = block;
   to.size = 0;

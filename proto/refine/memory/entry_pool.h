@@ -128,6 +128,8 @@ class EntryPool {
   // Entries for which blocks are taken, and for which there is memory.
   size_t held() const { return held_; }
   size_t capacity() const { return words_.capacity() / words_of_vector_ * kVector; }
+  // Entries for which copy() takes a block.
+  static size_t heldByCopy(const EntryBlock& block);
   // Takes a block for the entries of another pool's block, of the same kind, and copies them.
   EntryBlock copy(const EntryPool& from, const EntryBlock& block);
 
