@@ -7,6 +7,9 @@ namespace foreland {
 
 #if defined(__x86_64__) && !(defined(__POPCNT__) && defined(__BMI2__))
 
+// Of what runWithBitInstructions calls, and elsewhere left to the compiler: a module of WebAssembly is to stay small.
+#define FORELAND_WITH_BIT_INSTRUCTIONS __attribute__((always_inline))
+
 namespace bit_instructions_detail {
 
 inline const bool has =
@@ -19,7 +22,7 @@ template <class Work>
 
 }  // namespace bit_instructions_detail
 
-// Calls work(), which is [[gnu::always_inline]] and has what it calls inlined.
+// Calls work(), which is FORELAND_WITH_BIT_INSTRUCTIONS, as is what it calls.
 template <class Work>
 void runWithBitInstructions(const Work& work) {
   if (bit_instructions_detail::has) return bit_instructions_detail::run(work);
@@ -27,6 +30,8 @@ void runWithBitInstructions(const Work& work) {
 }
 
 #else
+
+#define FORELAND_WITH_BIT_INSTRUCTIONS
 
 template <class Work>
 void runWithBitInstructions(const Work& work) {

@@ -17,7 +17,7 @@ target_include_directories(foreland_options INTERFACE ${CMAKE_SOURCE_DIR})
 # Both ends must compute the same bits: no contraction to fused operations, no fast-math.
 target_compile_options(foreland_options INTERFACE -Wall -Wextra -Wpedantic -Wshadow
   $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>  # false alarms in g++ 12's std::string, GCC bug 105651
-  $<$<CXX_COMPILER_ID:GNU>:-Wno-psabi>  # vectors are passed to nobody who was compiled otherwise
+  -Wno-psabi  # vectors are passed to nobody who was compiled otherwise
   $<$<CXX_COMPILER_ID:Clang>:-Wreserved-identifier>
   -ffp-contract=off $<$<BOOL:${FORELAND_WARNINGS_AS_ERRORS}>:-Werror>)
 # What distributions ask of programs that read foreign bytes: checked copies in the C library, and a table of its functions that is

@@ -123,14 +123,13 @@ void addJudgement(const FlySummary& s, Summary& out) {
   const uint64_t over_inside = t.frames_over_tau - t.outside_over_tau;
   if (t.cracks > 0) out.addProblem(count(t.cracks, "crack") + ", the first: " + t.first_crack, kTellUs);
   if (t.uncovered_samples > 0) out.addProblem(count(t.uncovered_samples, "sample") + " in view not covered", kTellUs);
-  if (t.keyframes_over_tau > 0)
-    out.addProblem(
-        count(t.keyframes_over_tau) + " of " + count(t.keyframes.count, "judged keyframe") + " are above the tolerance",
-        kTellUs);
-  if (over_inside == 0) return;
-  const bool is_guaranteed = s.blend != client::Blend::kGeomorph;
-  out.addProblem(count(over_inside) + " of " + count(t.frames.count, "judged frame") + " are above the tolerance",
-                 is_guaranteed ? kTellUs : "geomorphs do not guarantee it: --blend keyframe does");
+  const char* const advice =
+      s.blend != client::Blend::kGeomorph ? kTellUs : "geomorphs do not guarantee it: --blend keyframe does";
+  const auto addOver = [&](uint64_t over, uint64_t judged, const char* what) {
+    if (over > 0) out.addProblem(count(over) + " of " + count(judged, what) + " are above the tolerance", advice);
+  };
+  addOver(t.keyframes_over_tau, t.keyframes.count, "judged keyframe");
+  addOver(over_inside, t.frames.count, "judged frame");
 }
 
 void addReplayed(const ReplayedDigest& r, Summary& out) {

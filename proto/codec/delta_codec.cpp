@@ -40,7 +40,8 @@ class LevelCoder {
 
   // An encoder passes the decisions, a decoder gets them. The contexts of some nodes are looked up before the first of
   // them is coded, so that their look-ups wait for memory together.
-  [[gnu::always_inline]] void codeDecisions(std::span<const Predicate> predicates, std::span<uint8_t> decisions) {
+  FORELAND_WITH_BIT_INSTRUCTIONS void codeDecisions(std::span<const Predicate> predicates,
+                                                    std::span<uint8_t> decisions) {
     cached_contexts_.clear();
     constexpr size_t kAhead = 64;
     std::array<Records, kAhead> records;
@@ -161,7 +162,7 @@ void DeltaEncoder::load(TerrainBatch& batch) {
 bool DeltaEncoder::decide(int level, std::span<const Predicate> predicates, std::span<uint8_t> decisions) {
   const double before = coder_.bits();
   LevelCoder<RangeEncoder, DenseNodes> level_coder(domain_, nodes_, model_, coder_, cached_contexts_, level);
-  runWithBitInstructions([&]() __attribute__((always_inline)) {
+  runWithBitInstructions([&]() FORELAND_WITH_BIT_INSTRUCTIONS {
     for (size_t i = 0; i < predicates.size(); ++i)
       decisions[i] = nodes_.at(predicates[i].slot).error() >= predicates[i].least ? 1 : 0;
     level_coder.codeDecisions(predicates, decisions);

@@ -146,9 +146,9 @@ class Adapter<Tester>::Step {
   enum class Which { kLeaves, kAddable };
   void collect(int level, Which which) {
     scratch_.candidates.clear();
-    runWithBitInstructions([&]() __attribute__((always_inline)) { collectAll(level, which); });
+    runWithBitInstructions([&]() FORELAND_WITH_BIT_INSTRUCTIONS { collectAll(level, which); });
   }
-  [[gnu::always_inline]] void collectAll(int level, Which which) {
+  FORELAND_WITH_BIT_INSTRUCTIONS void collectAll(int level, Which which) {
     for (const Frontier::Nodes::PageName& name : nodes_.pagesOf(begin(level), begin(level + 1))) {
       if (!scratch_.has_undecided[name.number]) continue;
       SlotBits& undecided = scratch_.undecided[name.number];
@@ -158,7 +158,7 @@ class Adapter<Tester>::Step {
       if (taken.any()) collect(level, which, name.number, taken);
     }
   }
-  [[gnu::always_inline]] void collect(int level, Which which, uint32_t number, SlotBits taken) {
+  FORELAND_WITH_BIT_INSTRUCTIONS void collect(int level, Which which, uint32_t number, SlotBits taken) {
     const FrontierPage& page = nodes_.page(number);
     const auto nodes = topology_.pageNodes(level, page.first());
     SlotBits entering = taken - page.on_frontier;

@@ -31,7 +31,7 @@ void Frontier::put(uint32_t number, FrontierEntry entry, float slack) {
 
 void Frontier::enter(uint32_t number, const SlotBits& nodes, FrontierEntry blank) {
   if (!nodes.any()) return;
-  runWithBitInstructions([&]() __attribute__((always_inline)) {
+  runWithBitInstructions([&]() FORELAND_WITH_BIT_INSTRUCTIONS {
     uint32_t more = nodes.count();
     Page& page = nodes_.page(number);
     pool_.reserve(page.block, page.entries, page.entries + more);
@@ -57,7 +57,7 @@ void Frontier::enter(uint32_t number, const SlotBits& nodes, FrontierEntry blank
 }
 
 void Frontier::leave(uint32_t number, const SlotBits& nodes) {
-  runWithBitInstructions([&]() __attribute__((always_inline)) {
+  runWithBitInstructions([&]() FORELAND_WITH_BIT_INSTRUCTIONS {
     Page& page = nodes_.page(number);
     float* slack = pool_.slack(page.block);
     FrontierEntry* entries = pool_.entries(page.block);

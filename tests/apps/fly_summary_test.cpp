@@ -109,6 +109,8 @@ TEST(FlySummary, SaysWhatTheJudgeFound) {
   expectProblem(s, {"3 of 120 judged frames", "--blend keyframe"});
   s.truth = goodTruth();
   s.truth->keyframes_over_tau = 1;
+  expectProblem(s, {"1 of ", "judged keyframes", "--blend keyframe"});
+  s.blend = client::Blend::kKeyframe;
   expectProblem(s, {"1 of ", "judged keyframes", "--record"});
 }
 

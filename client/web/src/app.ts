@@ -26,6 +26,7 @@ import { saveFile } from './ui/save_file';
 import { SceneTime } from './ui/scene_time';
 import { kLens, type Address, type Settings, type Tour } from './ui/settings';
 import { SightControl } from './ui/sight_control';
+import type { Stage } from './ui/stage';
 import { sunDirection } from './ui/sun';
 import { Tours } from './ui/tours';
 import { wordsOnMoving } from './ui/welcome_words';
@@ -50,8 +51,8 @@ export class App {
   private readonly steering = new Steering(new Controls(this.canvas), this.tours);
   private readonly scene_time = new SceneTime(byId('time'), (at, ms_rate) => this.terrain?.setSceneTime({ at, rate: ms_rate }));
   private readonly card_loss = new CardLoss((work) => this.guard.run(work), () => this.drawAgain());
-  private readonly stage = {
-    picture: () => this.picture, terrain: () => this.terrain, sceneTime: () => this.scene_time_ms, say: (text: string) => this.hint.show(text),
+  private readonly stage: Stage = {
+    picture: () => this.picture, terrain: () => this.terrain, sceneTime: () => this.scene_time_ms, say: (text) => this.hint.show(text),
   };
   private readonly sight = new SightControl(this.stage);
   private readonly measure_control = new MeasureControl(byId('tools'), byId('measure'), this.stage);

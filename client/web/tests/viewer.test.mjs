@@ -677,7 +677,6 @@ test('relief, the sun and the colours of the ground are chosen', kTest, () =>
       await until(page, (s, n) => s.frames > n + 2, frames);
       return changedShare(page, before_, await middleOf(page));
     };
-    await page.getByText('Light and colours').click();
     for (const ground of ['plain', 'slope', 'aspect', 'natural'])
       assert.ok((await changes(() => page.locator('[name=ground]').selectOption(ground))) > 0.3, ground);
     assert.ok((await changes(async () => {

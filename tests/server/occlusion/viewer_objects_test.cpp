@@ -77,16 +77,11 @@ class ObjectFlight {
   std::shared_ptr<const ObjectSolids> solids_;
 };
 
-class ViewerOfObjects : public testing::TestWithParam<double> {};
-INSTANTIATE_TEST_SUITE_P(Errors, ViewerOfObjects, testing::Values(0.0, 0.6, 1.2, 4.0));
-
-TEST_P(ViewerOfObjects, HidesObjectsFromAllEyesThatAKeyframeIsShownFor) {
-  Rng rng(test::randomSeed());
-  const ObjectFlight flight(GetParam(), rng);
+// Counts objects that are called hidden, and lines to them that nothing is in the way of.
+void flyPast(const ObjectFlight& flight, Rng& rng, uint64_t& hidden, uint64_t& seen) {
   EyeIntervals intervals;
   PathSpans spans(intervals, nullptr, PathSpans::kTight);
   ViewerObjects viewer(flight.objects(), flight.solids());
-  uint64_t hidden = 0, seen = 0;
   for (int keyframe = 1; keyframe <= ObjectFlight::kKeyframes; ++keyframe) {
     const PredictedEyePath eye_path = flight.eyePathAt(keyframe);
     intervals.expect(eye_path);
@@ -101,9 +96,20 @@ TEST_P(ViewerOfObjects, HidesObjectsFromAllEyesThatAKeyframeIsShownFor) {
       for (size_t i = 0; i < 2; ++i) seen += flight.seen(object, eye_path.eyes[i], rng);
     }
   }
+  EXPECT_LT(viewer.queries(), ObjectFlight::kKeyframes * ViewerObjects::kMaxQueries);
+}
+
+class ViewerOfObjects : public testing::TestWithParam<double> {};
+INSTANTIATE_TEST_SUITE_P(Errors, ViewerOfObjects, testing::Values(0.0, 0.6, 1.2, 4.0));
+
+// Where guesses are off by much, some flights have hardly anything that is surely hidden.
+TEST_P(ViewerOfObjects, HidesObjectsFromAllEyesThatAKeyframeIsShownFor) {
+  Rng rng(test::randomSeed());
+  uint64_t hidden = 0, seen = 0;
+  for (int flights = 0; hidden <= 20 && flights < 100; ++flights)
+    flyPast(ObjectFlight(GetParam(), rng), rng, hidden, seen);
   EXPECT_GT(hidden, 20u);
   EXPECT_EQ(seen, 0u);
-  EXPECT_LT(viewer.queries(), ObjectFlight::kKeyframes * ViewerObjects::kMaxQueries);
 }
 
 }  // namespace

@@ -38,7 +38,7 @@ async function measureSlope(terrain: Terrain, at: MapPoint): Promise<Measurement
 
 async function measureProfile(terrain: Terrain, corners: readonly MapPoint[]): Promise<Profile> {
   const line = placesAlong(earthOf(terrain.scene), corners, spacingOf(terrain));
-  return profileOf(line, [...(await terrain.heights(line.places))]);
+  return profileOf(line, await terrain.heights(line.places));
 }
 
 async function measureArea(terrain: Terrain, ring: readonly MapPoint[], heights: readonly number[]): Promise<Measurement['area']> {

@@ -36,7 +36,7 @@ export function placesAlong(earth: Earth, corners: readonly MapPoint[], spacing_
   return { places, distances };
 }
 
-export function profileOf({ places, distances }: { places: MapPoint[]; distances: number[] }, heights: readonly number[]): Profile {
+export function profileOf({ places, distances }: { places: MapPoint[]; distances: number[] }, heights: ArrayLike<number>): Profile {
   let [surface_m, rise_m, fall_m, steepest_rad] = [0, 0, 0, 0];
   for (let i = 1; i < heights.length; ++i) {
     const ahead_m = distances[i]! - distances[i - 1]!, up_m = heights[i]! - heights[i - 1]!;
@@ -47,7 +47,7 @@ export function profileOf({ places, distances }: { places: MapPoint[]; distances
     fall_m += Math.max(-up_m, 0);
     if (ahead_m > 0) steepest_rad = Math.max(steepest_rad, Math.atan2(Math.abs(up_m), ahead_m));
   }
-  return { places, distances, heights: [...heights], length_m: distances[distances.length - 1] ?? 0, surface_m, rise_m, fall_m, steepest_rad };
+  return { places, distances, heights: Array.from(heights), length_m: distances[distances.length - 1] ?? 0, surface_m, rise_m, fall_m, steepest_rad };
 }
 
 // Slope and aspect of the ground from its heights one step to the east, west, north and south. Aspect is where it falls, clockwise from

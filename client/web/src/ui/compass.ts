@@ -41,7 +41,7 @@ export class Compass {
 }
 
 // The largest of 1, 2 and 5 times a power of ten that is at most this.
-export function roundLengthBelow(metres: number): number {
+function roundLengthBelow(metres: number): number {
   const power = 10 ** Math.floor(Math.log10(metres));
   return [5, 2, 1].find((factor) => factor * power <= metres)! * power;
 }

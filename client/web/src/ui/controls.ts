@@ -3,6 +3,7 @@
 import * as THREE from 'three';
 import { basisAt, forwardOf, orientationOf, type Look } from './camera';
 import type { Pose } from '@foreland/client';
+import { isForPage, isOnButton } from './stage';
 
 const kKeys: Record<string, [axis: 0 | 1 | 2, sign: number]> = {
   KeyW: [1, 1], ArrowUp: [1, 1], KeyS: [1, -1], ArrowDown: [1, -1],
@@ -149,8 +150,7 @@ export class Controls {
   }
 
   private key(event: KeyboardEvent): void {
-    const typing = event.target instanceof HTMLElement && /^(INPUT|SELECT|TEXTAREA|BUTTON)$/.test(event.target.tagName);
-    if (typing || event.ctrlKey || event.metaKey || event.altKey) return;
+    if (!isForPage(event) || isOnButton(event)) return;
     if (!kKeys[event.code] && !event.code.startsWith('Shift')) return;
     event.preventDefault();
     this.held.add(event.code);

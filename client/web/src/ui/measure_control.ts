@@ -1,23 +1,14 @@
 // Measuring by hand. The button or key M begins and ends it; each click on the ground adds a corner, Enter adds what is in the middle of the
 // view, Backspace takes the last one back, Escape ends it. Answers that come after another question are dropped.
 import type { MapPoint, Place, Terrain, Vector } from '@foreland/client';
-import type { Picture } from '../draw/picture';
 import { measure, pointOn, type Measurement } from '../measure/measurement';
 import { csvOf, geoJsonOf } from '../measure/measurement_files';
 import { pickExactly } from './exact_pick';
 import { MeasureCard } from './measure_card';
 import { saveFile } from './save_file';
+import { isForPage, isOnButton, onClicks, type Stage } from './stage';
 import { reasonOf } from './words';
 
-const kClick_px = 4; // a pointer that moves farther drags
-
-// What it needs of the page.
-export interface MeasureStage {
-  picture(): Picture;
-  terrain(): Terrain | null;
-  sceneTime(): number; // ms
-  say(text: string): void;
-}
 
 export class MeasureControl {
   private corners: MapPoint[] = [];
@@ -25,11 +16,10 @@ export class MeasureControl {
   private line: Vector[] = [];
   private asked = 0; // questions so far
   private is_on = false;
-  private pressed: [number, number] = [0, 0];
   private readonly card: MeasureCard;
   private readonly button: HTMLButtonElement;
 
-  constructor(tools: HTMLElement, card: HTMLElement, private readonly stage: MeasureStage) {
+  constructor(tools: HTMLElement, card: HTMLElement, private readonly stage: Stage) {
     this.button = Object.assign(document.createElement('button'), { type: 'button' as const, textContent: 'Measure', title: 'Points, lines and areas on the exact ground (M)' });
     this.button.onclick = () => this.turn(!this.is_on);
     this.button.setAttribute('aria-pressed', 'false');
@@ -38,8 +28,7 @@ export class MeasureControl {
       point: (index) => this.stage.picture().measure_line.point(index === null ? null : this.line[index] ?? null),
       save: (kind) => this.save(kind), clear: () => this.change([]), close: () => this.turn(false),
     });
-    window.addEventListener('pointerdown', (event) => (this.pressed = [event.clientX, event.clientY]));
-    window.addEventListener('click', (event) => this.click(event));
+    onClicks(stage, (event) => this.click(event));
     window.addEventListener('keydown', (event) => this.key(event));
   }
 
@@ -72,13 +61,10 @@ export class MeasureControl {
   }
 
   private click(event: MouseEvent): void {
-    const moved = Math.hypot(event.clientX - this.pressed[0], event.clientY - this.pressed[1]);
-    if (!this.is_on || event.shiftKey || moved > kClick_px || !this.stage.picture().isOn(event.target)) return;
-    void this.add(event.clientX, event.clientY);
+    if (this.is_on && !event.shiftKey) void this.add(event.clientX, event.clientY);
   }
   private key(event: KeyboardEvent): void {
-    const is_typing = event.target instanceof HTMLElement && /^(INPUT|SELECT|TEXTAREA|BUTTON)$/.test(event.target.tagName);
-    if (is_typing || event.repeat || event.ctrlKey || event.metaKey || event.altKey) return;
+    if (event.repeat || !isForPage(event) || isOnButton(event)) return;
     if (event.code === 'KeyM') this.turn(!this.is_on);
     if (!this.is_on) return;
     if (event.code === 'Escape') this.turn(false);
@@ -96,7 +82,6 @@ export class MeasureControl {
   }
   private change(corners: MapPoint[]): void {
     this.corners = corners;
-    if (corners.length === 0) ++this.asked;
     void this.run(async (terrain, isWanted) => {
       if (corners.length === 0) return this.take(terrain, null);
       this.card.show(this.measured, terrain.scene, true);

@@ -2,34 +2,23 @@
 // far as one sees, red beyond. Key V: drapes over the ground what is seen from that eye, or from the camera; again, or Escape while it
 // comes: takes it away.
 import type { Place, Sight, Terrain, Vector, Viewshed } from '@foreland/client';
-import type { Picture } from '../draw/picture';
 import { pickExactly } from './exact_pick';
+import { isForPage, onClicks, type Stage } from './stage';
 import { reasonOf } from './words';
 
 const kEye_m = 1.7; // above what was clicked
 const kLift_m = 0.1; // of what is looked at
 const kRadius_m = 10_000;
 const kCells = 1000; // across a viewshed, at most
-const kClick_px = 4; // a pointer that moves farther drags
-
-// What it needs of the page.
-export interface SightStage {
-  picture(): Picture;
-  terrain(): Terrain | null;
-  sceneTime(): number; // ms
-  say(text: string): void;
-}
 
 export class SightControl {
   private from: Vector | null = null; // where the next line begins
   private sight: Sight | null = null;
   private viewshed: Viewshed | null = null;
   private asking: AbortController | null = null;
-  private pressed: [number, number] = [0, 0];
 
-  constructor(private readonly stage: SightStage) {
-    window.addEventListener('pointerdown', (event) => (this.pressed = [event.clientX, event.clientY]));
-    window.addEventListener('click', (event) => this.click(event));
+  constructor(private readonly stage: Stage) {
+    onClicks(stage, (event) => this.click(event));
     window.addEventListener('keydown', (event) => this.key(event));
   }
 
@@ -55,13 +44,10 @@ export class SightControl {
   }
 
   private click(event: MouseEvent): void {
-    const moved = Math.hypot(event.clientX - this.pressed[0], event.clientY - this.pressed[1]);
-    if (!event.shiftKey || moved > kClick_px || !this.stage.picture().isOn(event.target)) return;
-    this.run((terrain) => this.point(terrain, event.clientX, event.clientY));
+    if (event.shiftKey) this.run((terrain) => this.point(terrain, event.clientX, event.clientY));
   }
   private key(event: KeyboardEvent): void {
-    const is_typing = event.target instanceof HTMLElement && /^(INPUT|SELECT|TEXTAREA)$/.test(event.target.tagName);
-    if (is_typing || event.repeat || event.ctrlKey || event.metaKey || event.altKey) return;
+    if (event.repeat || !isForPage(event)) return;
     if (event.code === 'Escape' && this.asking) this.takeAway();
     if (event.code !== 'KeyV') return;
     if (this.asking || this.viewshed) this.takeAway();
