@@ -6,7 +6,7 @@ import { kIsPhone, kLimits, lensOf, optionsOf } from './app/asked';
 import { CardLoss } from './app/card_loss';
 import { Steering } from './app/steering';
 import { Picture, type Shot } from './draw/picture';
-import { kOverlayFiles } from './overlay/read_overlay';
+import { kOverlayFiles, kOverlayKinds } from './overlay/file_kinds';
 import { ColourMaps, kColourFiles } from './ui/colour_maps';
 import { Compass } from './ui/compass';
 import { Controls } from './ui/controls';
@@ -31,6 +31,8 @@ import { sunDirection } from './ui/sun';
 import { Tours } from './ui/tours';
 import { wordsOnMoving } from './ui/welcome_words';
 import { reasonOf } from './ui/words';
+
+const kNotLaid = 'This file cannot be laid on the ground';
 
 function byId(id: string): HTMLElement {
   return document.getElementById(id)!;
@@ -80,7 +82,8 @@ export class App {
     this.panel = new Panel(byId('panel'), this.settings, this.colour_maps.names, file, boundTo(controls, 'speed_mps'),
       () => this.guard.run(() => this.applySettings()));
     controls.onSpeed = () => this.guard.run(() => this.panel.showChoices());
-    this.overlays = new OverlayControl(byId('overlays'), byId('feature'), { ...this.stage, isTaken: () => this.measure_control.isOn });
+    this.overlays = new OverlayControl(byId('overlays'), byId('feature'), {
+      ...this.stage, isTaken: () => this.measure_control.isOn, refuse: (reason) => this.refuseFile(kNotLaid, reason) });
     this.takeFiles(file);
     if (address.is_recorded) this.panel.addButton('Save the recording', 'save', () => void this.saveRecording());
     else this.panel.addButton('Record a flight from here', 'record', () => this.recordFromHere());
@@ -171,6 +174,7 @@ export class App {
     if (!is_first) return;
     this.hint.show(wordsOnMoving(kIsPhone));
     this.kept_address.begin(queryText(this.addressHere()));
+    void this.overlays.open(this.address.overlays);
   }
 
   private showWaiting(seconds: number, reason: string): void {
@@ -245,7 +249,7 @@ export class App {
     if (before.frozen_view.pose) this.freezeAt(before.frozen_view.pose);
     this.sight.show();
     this.measure_control.show();
-    void this.overlays.layOut();
+    this.overlays.showAgain();
     this.mesh = null;
     this.resize();
     if (this.scene) notify(null);
@@ -279,8 +283,8 @@ export class App {
     const files = new DroppedFiles([
       { ...kColourFiles, read: (name, bytes) => this.guard.run(() => this.addColours(name.replace(/\.cpt$/i, ''), new TextDecoder().decode(bytes))),
         refuse: (_, reason) => this.refuseFile('This colour map cannot be read', reason) },
-      { ...kOverlayFiles, read: (name, bytes) => this.overlays.add(name, bytes), refuse: (_, reason) => this.refuseFile('This file cannot be laid on the ground', reason) },
-    ], (name) => this.refuseFile('This file says nothing to the page', `${name} is no colour map (.cpt), and no GeoJSON, KML, KMZ or GPX.`));
+      { ...kOverlayFiles, read: (name, bytes) => this.overlays.add(name, bytes), refuse: (_, reason) => this.refuseFile(kNotLaid, reason) },
+    ], (name) => this.refuseFile('This file says nothing to the page', `${name} is no colour map (.cpt), and no ${kOverlayKinds}.`));
     files.listen(colours);
     files.listen(byId('overlay-file') as HTMLInputElement);
   }
