@@ -12,7 +12,7 @@ export class OverlayDrape {
     u_overlay_segments: { value: floatsOf(new Float32Array(4)) },
     u_overlay_styles: { value: floatsOf(new Float32Array(4)) },
     u_overlay_place: { value: new THREE.Vector4(0, 0, 1, 0) },
-    u_overlay_levels: { value: Array.from({ length: kMaxLevels }, () => new THREE.Vector3(1, 1, 0)) },
+    u_overlay_levels: { value: new Int32Array(3 * kMaxLevels).fill(1) },
     u_overlay_width_px: { value: 1 },
   };
   private grid: GroundGrid | null = null;
@@ -28,7 +28,7 @@ export class OverlayDrape {
     u.u_overlay_segments.value = floatsOf(grid?.segments ?? new Float32Array(4));
     u.u_overlay_styles.value = floatsOf(grid?.styles ?? new Float32Array(4));
     if (!grid) return;
-    grid.levels.forEach(({ columns, rows, begin }, i) => u.u_overlay_levels.value[i]!.set(columns, rows, begin));
+    grid.levels.forEach(({ columns, rows, begin }, i) => u.u_overlay_levels.value.set([columns, rows, begin], 3 * i));
     let widest_px = 0;
     for (let shape = 0; shape < grid.features.length; ++shape) widest_px = Math.max(widest_px, grid.styles[12 * shape + 8]!);
     u.u_overlay_width_px.value = 0.5 * widest_px + 1;
