@@ -28,7 +28,8 @@ void addScene(CLI::App& app, ServeFlags& flags) {
       ->type_name(folder("DIR"));
   app.add_option("--overlay", flags.overlay,
                  "GeoJSON, KML, KMZ, GPX or IGC that every page lays on the ground; may be repeated")
-      ->type_name(file("FILE"));
+      ->type_name(file("FILE"))
+      ->allow_extra_args(false);
   app.add_option("--threads", flags.threads, "threads that compute; 0 for one per processor")
       ->type_name(whole("N"))
       ->check(within(0, 1024))

@@ -1,4 +1,5 @@
-// Files of features and tracks brought to GeoJSON: GeoJSON itself, KML, KMZ, GPX and IGC. Pure; needs no document, so a worker or Node can do it.
+// Files of features and tracks brought to GeoJSON: GeoJSON itself, KML, KMZ, GPX and IGC. Pure; a worker or
+// Node can do it.
 import { gpx, kml } from '@tmcw/togeojson';
 import { DOMParser } from '@xmldom/xmldom';
 import { kMaxXmlCharacters, kOverlayKinds } from './file_kinds';
@@ -31,14 +32,14 @@ function parsedJson(name: string, text: string): unknown {
 function parsedXml(name: string, text: string): unknown {
   if (text.length > kMaxXmlCharacters)
     throw new Error(`${name} has more than ${kMaxXmlCharacters >> 20} MB of XML: bring it to GeoJSON first, as by ogr2ogr -f GeoJSON.`);
-  const document = documentOf(name, text);
-  const root = document.documentElement?.localName ?? '';
-  if (root === 'kml') return kml(document);
-  if (root === 'gpx') return gpx(document);
+  const tree = treeOf(name, text);
+  const root = tree.documentElement?.localName ?? '';
+  if (root === 'kml') return kml(tree);
+  if (root === 'gpx') return gpx(tree);
   throw new Error(`${name} is XML of <${root.slice(0, 40)}>, not KML or GPX.`);
 }
 
-function documentOf(name: string, text: string): Document {
+function treeOf(name: string, text: string): Document {
   const onError = (level: string, message: string) => {
     if (level !== 'warning') throw new Error(message);
   };
