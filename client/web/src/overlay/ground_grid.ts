@@ -28,7 +28,7 @@ export interface GroundGrid {
   features: Int32Array<ArrayBuffer>; // of each shape
 }
 
-const kFinest = 512; // cells along the longer side
+const kFinest = [512, 1024] as const; // cells along the longer side, at least and at most
 const kSimpler = 16; // of a cell's side
 const kMaxItems = 1 << 22;
 const kReach = 0.5; // of a cell: how far outside of it what it has may be
@@ -36,7 +36,8 @@ const kReach = 0.5; // of a cell: how far outside of it what it has may be
 // At least one shape; about 40 bytes a vertex, at most some tens of megabytes. Takes about a second for a million vertices.
 export function buildGroundGrid(shapes: readonly GroundShape[]): GroundGrid {
   const { low, size } = boxOf(shapes);
-  const cell = Math.max(size[0], size[1], 1e-3) / kFinest;
+  const vertices = shapes.reduce((sum, { parts }) => sum + parts.reduce((count, part) => count + part.length, 0), 0);
+  const cell = Math.max(size[0], size[1], 1e-3) / Math.min(Math.max(Math.ceil(2 * Math.sqrt(vertices)), kFinest[0]), kFinest[1]);
   const columns = Math.max(1, Math.ceil(size[0] / cell)), rows = Math.max(1, Math.ceil(size[1] / cell));
   const builder = new Builder(low, shapes);
   for (let level = 0; ; ++level) {

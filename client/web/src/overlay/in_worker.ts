@@ -1,7 +1,7 @@
 // Has a worker of its own do a task, and ends it: whatever a file does to it, the page goes on, and its memory comes back.
 import type { OverlayWork } from './overlay_work';
 
-const kPatience_ms = 60_000;
+const kPatience_ms = 120_000;
 
 // An Error says what is wrong with what was given. It is copied.
 export function inWorker<K extends keyof OverlayWork>(kind: K, given: OverlayWork[K]['given']): Promise<OverlayWork[K]['made']> {

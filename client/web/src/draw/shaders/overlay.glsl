@@ -9,7 +9,7 @@ uniform ivec3 u_overlay_levels[16];  // columns, rows, first cell
 uniform float u_overlay_width_px;    // half of the widest line, and a pixel
 
 const int kOverlayRow = 2048;  // texels in a row of these textures
-const int kOverlayMost = 256;  // items that a pixel looks at
+const int kOverlayMost = 1024;  // items that a pixel looks at
 ivec2 overlayTexel(int i) {
   return ivec2(i % kOverlayRow, i / kOverlayRow);
 }
