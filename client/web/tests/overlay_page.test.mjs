@@ -106,6 +106,7 @@ async function pointsAlong(coordinates, eye) {
       const [from_lon, from_lat] = coordinates[i];
       return { lon: from_lon + ((lon - from_lon) * k) / 60, lat: from_lat + ((lat - from_lat) * k) / 60 };
     }));
+    places.push({ lon: coordinates.at(-1)[0], lat: coordinates.at(-1)[1] });
     const heights = await terrain.heights(places);
     return { up: terrain.place(eye).up, points: places.map((place, i) => terrain.toScene({ ...place, height: heights[i] })) };
   } finally {
