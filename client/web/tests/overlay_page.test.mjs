@@ -128,7 +128,7 @@ for (const [eye, heading, pitch] of [[[0, -9000, 12_000], 0, -58], [[6000, -4000
       assert.deepEqual(own, eye);
       const seen = points.map(cameraOf(eye, up, heading, pitch, page.viewportSize()));
       await page.addStyleTag({ content: 'body > :not(#scene) { display: none !important; }' }).catch(() => null);
-      const pixels = await linePixels(page, await page.screenshot());
+      const pixels = await linePixels(page, await page.screenshot({ timeout: 120_000 }));
       const inside = seen.filter(([x, y]) => x > 4 && x < page.viewportSize().width - 4 && y > 4 && y < page.viewportSize().height - 4);
       assert.ok(inside.length > 250, `${inside.length} places in view`);
       assert.ok(pixels.length > 400, `${pixels.length} pixels of the line`);
