@@ -118,6 +118,12 @@ MUTATIONS = [
        "glm::dot(direction, displacement)", "terrain_test:FindSolids*"),
     of("solid: winding ignored", "terrain/surface/inner_solids", "std::fabs(windingNumber(mesh, shape.middle) - 1) < 1e-3", "true",
        "terrain_test:IsInside*"),
+    of("solid: for four fifths of the eyes", "server/occlusion/objects/object_solids", "- eyes.radius_m - kDepthRounding_m", "- 0.8 * eyes.radius_m",
+       "server_test:ObjectSolids*"),
+    of("solid: of an object with poses", "server/occlusion/objects/object_solids", "!objects.set.modelOf(object).pose_epochs.empty()", "false",
+       "server_test:ObjectSolids*"),
+    of("solid: of an object that ground carries", "server/occlusion/objects/object_solids", "!placement.rise.isStill() || ", "",
+       "server_test:ObjectSolids*"),
     of("morph: off by one", "client", "m.from + left / steps", "m.from + left / (steps + 1)", "client_test"),
     of("morph: region ignored", "client", "radius_m + region_radius_", "radius_m - region_radius_", "client_test"),
 ]

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <vector>
@@ -43,6 +44,18 @@ inline double distanceToLine(const glm::dvec3& from, const glm::dvec3& to, const
   const glm::dvec3 way = to - from;
   const double share = std::clamp(glm::dot(p - from, way) / glm::dot(way, way), 0.0, 1.0);
   return glm::distance(p, from + share * way);
+}
+
+// A cube with its corners on the sphere of radius 1: a box holds it, and a solid fills it, to the millimetre.
+inline terrain::TrueSurface makeCube() {
+  const std::vector<proto::BaseFace> faces{{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
+                                           {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
+  auto topology = *proto::MeshTopology::create({proto::MeshRule::kQuadrisection, 1, 8, faces});
+  std::vector<glm::dvec3> corners;
+  for (uint32_t i = 0; i < 8; ++i)
+    corners.push_back((glm::dvec3(i & 1, i >> 1 & 1, i >> 2) * 2.0 - 1.0) / std::sqrt(3.0));
+  return *terrain::makeSurface(std::move(topology), 1e-4, corners,
+                               [](proto::NodeId, const glm::dvec3& middle) { return middle; });
 }
 
 struct HidingSpheres {
