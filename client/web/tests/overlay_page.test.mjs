@@ -8,7 +8,7 @@ import { Terrain } from '@foreland/client';
 import { zipSync } from 'fflate';
 import { makeFolder, makeScene, makeSceneOnEarth, openBrowser, openPage, startServer, status, until, untilTerrain } from './support.mjs';
 
-const kTest = { timeout: 300_000 };
+const kTest = { timeout: 600_000 };
 const kFov_rad = (55 * Math.PI) / 180; // the page's lens, from below to above
 let folder, scene, server, browser;
 
@@ -35,8 +35,9 @@ after(async () => {
 // Drawn coarsely, because a processor does it, unless the query says otherwise.
 async function visit(query, body, options = {}) {
   const { page, complaints, close } = await openPage(browser, options);
+  page.setDefaultTimeout(120_000);
   try {
-    await page.goto(new URL(`?${query}&sharpness=0.4&tau=4`, (options.server ?? server).url).href, { timeout: 120_000 });
+    await page.goto(new URL(`?${query}&sharpness=0.4&tau=4`, (options.server ?? server).url).href);
     await untilTerrain(page);
     await body(page);
     assert.deepEqual(complaints.filter((text) => !options.expected?.test(text)), []);
@@ -128,7 +129,7 @@ for (const [eye, heading, pitch] of [[[0, -9000, 12_000], 0, -58], [[6000, -4000
       assert.deepEqual(own, eye);
       const seen = points.map(cameraOf(eye, up, heading, pitch, page.viewportSize()));
       await page.addStyleTag({ content: 'body > :not(#scene) { display: none !important; }' }).catch(() => null);
-      const pixels = await linePixels(page, await page.screenshot({ timeout: 120_000 }));
+      const pixels = await linePixels(page, await page.screenshot());
       const inside = seen.filter(([x, y]) => x > 4 && x < page.viewportSize().width - 4 && y > 4 && y < page.viewportSize().height - 4);
       assert.ok(inside.length > 250, `${inside.length} places in view`);
       assert.ok(pixels.length > 400, `${pixels.length} pixels of the line`);
