@@ -55,6 +55,7 @@ async function drop(page, name, content) {
   }, [text, name]);
   await page.dispatchEvent('body', 'drop', { dataTransfer: files });
 }
+const press = (control) => control.evaluate((element) => element.click()); // does not wait for frames, which take seconds here
 const untilLaid = (page, name) => until(page, (s, n) => s.overlays.some((o) => o.name === n) && s.overlays_laid > 0, name);
 
 // Pixels of a picture whose colour is that of the line, at least by half.
@@ -149,11 +150,11 @@ test('files of the server and of the address lie on the ground; a click tells of
     assert.deepEqual(await page.locator('#feature dl').allInnerTexts(), ['since\n1914']);
     await page.keyboard.press('Escape');
     assert.equal(await page.locator('#feature').isVisible(), false);
-    for (const name of ['huts & paths.geojson', '0.geojson']) await page.locator('#overlays label', { hasText: name }).click();
+    for (const name of ['huts & paths.geojson', '0.geojson']) await press(page.locator('#overlays label', { hasText: name }));
     await until(page, (s) => s.overlays.every((o) => !o.is_shown));
     await page.mouse.click(480, 270);
     assert.equal(await page.locator('#feature').isVisible(), false);
-    await page.getByRole('button', { name: 'Take 0.geojson away' }).click();
+    await press(page.getByRole('button', { name: 'Take 0.geojson away' }));
     await until(page, (s) => s.overlays.length === 1);
   }));
 
@@ -172,7 +173,7 @@ test('a bad file is refused in words, and the page goes on', kTest, () =>
     for (const [name, content, reason] of files) {
       await drop(page, name, content);
       await page.locator('#notice', { hasText: reason }).waitFor();
-      await page.getByRole('button', { name: 'Close' }).click();
+      await press(page.locator('#notice button'));
     }
     // Made in the page: it is too large to bring there.
     await page.evaluate(() => {
@@ -181,7 +182,7 @@ test('a bad file is refused in words, and the page goes on', kTest, () =>
       document.body.dispatchEvent(new DragEvent('drop', { dataTransfer: files, bubbles: true, cancelable: true }));
     });
     await page.locator('#notice', { hasText: /large\.kml has more than 16 MB of XML/ }).waitFor();
-    await page.getByRole('button', { name: 'Close' }).click();
+    await press(page.locator('#notice button'));
     const { frames } = await status(page);
     await until(page, (s, n) => s.frames > n + 2, frames);
     await drop(page, 'good.geojson', point([8.1, 46.1]));
