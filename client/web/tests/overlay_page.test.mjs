@@ -56,7 +56,7 @@ async function drop(page, name, content) {
   await page.dispatchEvent('body', 'drop', { dataTransfer: files });
 }
 const press = (control) => control.evaluate((element) => element.click()); // does not wait for frames, which take seconds here
-const untilLaid = (page, name) => until(page, (s, n) => s.overlays.some((o) => o.name === n) && s.overlays_laid > 0, name);
+const untilLaid = (page, name) => until(page, (s, n) => s.overlays.some((o) => o.name === n) && s.overlays_laid > 0, name, 240_000);
 
 // Pixels of a picture whose colour is that of the line, at least by half.
 function linePixels(page, picture) {
