@@ -26,8 +26,7 @@ void addScene(CLI::App& app, ServeFlags& flags) {
   app.add_option("--web", flags.web,
                  "directory of the page; by default the one that was built or installed with this program")
       ->type_name(folder("DIR"));
-  app.add_option("--overlay", flags.overlay,
-                 "GeoJSON, KML, KMZ, GPX or IGC that every page lays on the ground")
+  app.add_option("--overlay", flags.overlay, "GeoJSON, KML, KMZ, GPX or IGC that every page lays on the ground")
       ->type_name(file("FILE"))
       ->allow_extra_args(false);
   app.add_option("--threads", flags.threads, "threads that compute; 0 for one per processor")
