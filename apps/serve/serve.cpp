@@ -120,6 +120,10 @@ void announce(const server::Server& running, server::ServeOptions options, const
     options.metrics_listen->port = running.metricsPort();
     std::printf("metrics at http://%s/metrics\n", toString(*options.metrics_listen).c_str());
   }
+  if (options.agent_listen) {
+    options.agent_listen->port = running.agentPort();
+    std::printf("agent at %s\n", toString(*options.agent_listen).c_str());
+  }
   std::fflush(stdout);
   apps::notifyService("READY=1");
 }

@@ -119,6 +119,9 @@ void addOperation(CLI::App& app, ServeFlags& flags) {
   add("--metrics-listen", flags.metrics_listen,
       "address and port of its own for /metrics, which --listen then does not answer, /livez and /readyz")
       ->type_name(text("ADDRESS:PORT"));
+  add("--agent-listen", flags.agent_listen,
+      "address and port where HAProxy's agent-check is told what weight this server should have, by how busy it is")
+      ->type_name(text("ADDRESS:PORT"));
   add("--drain-seconds", flags.drain_seconds,
       "SIGTERM hands viewers over to other servers for so long at most; Ctrl-C does not")
       ->type_name(number("S"))
@@ -179,11 +182,16 @@ Result<server::ServeOptions> serveOptions(const ServeFlags& flags) {
   auto listen = server::parseListenAddress(flags.listen);
   if (!listen) return listen.error();
   options.listen = *listen;
-  if (!flags.metrics_listen.empty()) {
-    auto metrics_listen = server::parseListenAddress(flags.metrics_listen, "--metrics-listen");
-    if (!metrics_listen) return metrics_listen.error();
-    options.metrics_listen = *metrics_listen;
-  }
+  const auto further = [](const std::string& text, const char* flag,
+                          std::optional<server::ListenAddress>& out) -> Status {
+    if (text.empty()) return {};
+    auto address = server::parseListenAddress(text, flag);
+    if (!address) return address.error();
+    out = *address;
+    return {};
+  };
+  if (Status s = further(flags.metrics_listen, "--metrics-listen", options.metrics_listen); !s.ok()) return s.error();
+  if (Status s = further(flags.agent_listen, "--agent-listen", options.agent_listen); !s.ok()) return s.error();
   if (!flags.token_secret.empty()) {
     auto secret = server::readTokenSecret(flags.token_secret);
     if (!secret) return secret.error();

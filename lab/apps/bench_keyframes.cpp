@@ -21,6 +21,8 @@ CLI::App* addKeyframes(CLI::App& app, KeyframesArguments& args) {
       ->type_name(number("S"))
       ->check(within(0.2, 600.0))
       ->capture_default_str();
+  sub->add_flag("--side-by-side", args.options.side_by_side,
+                "fly the parts at once, keyframes in turn, for a simulated cache to count lines missed");
   return sub;
 }
 

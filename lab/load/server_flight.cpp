@@ -25,40 +25,45 @@ class Leg {
  public:
   Leg(const std::shared_ptr<const server::World>& world, const LightViewer::Flight& flight,
       const ServerFlightOptions& options)
-      : options_(options), session_(world, {}), light_(options.request, flight) {}
+      : counts_(Time::seconds(options.run_in_s)),
+        end_(counts_ + Duration::seconds(options.leg_s)),
+        latency_(Duration::seconds(options.round_trip_s / 2)),
+        session_(world, {}),
+        light_(options.request, flight) {
+    send(light_.connect(), Time{});
+    if (auto path = light_.announce(Time{}, end_ + Duration::seconds(5))) send(std::move(*path), Time{});
+  }
 
-  void fly(ServerFlight& figures, Fnv1a& hash) {
-    const Time counts = Time::seconds(options_.run_in_s), end = counts + Duration::seconds(options_.leg_s);
-    const Duration latency = Duration::seconds(options_.round_trip_s / 2);
-    send(light_.connect(), Time{} + latency);
-    if (auto path = light_.announce(Time{}, end + Duration::seconds(5))) send(std::move(*path), Time{} + latency);
-    for (Time now; now < end; now = now + kTick) {
-      if (now.us % LightViewer::kPoseInterval.us == 0)
-        if (auto pose = light_.pose(now)) send(std::move(*pose), now + latency);
-      for (; !up_.empty() && up_.front().first <= now; up_.pop_front())
-        CHECK_TRUE(session_.receive(up_.front().second, now).ok());
-      for (; !down_.empty() && down_.front().first <= now; down_.pop_front())
-        (void)light_.receive(down_.front().second, now);
-      if (const auto due = session_.due(); due && due->release <= now) step(now, latency, now >= counts, figures, hash);
-    }
+  Time end() const { return end_; }
+  uint64_t hash() const { return hash_.value(); }
+  // One tick. The scratch is any.
+  void fly(Time now, server::SessionScratch& scratch, ServerFlight& figures) {
+    if (now.us % LightViewer::kPoseInterval.us == 0)
+      if (auto pose = light_.pose(now)) send(std::move(*pose), now);
+    for (; !up_.empty() && up_.front().first <= now; up_.pop_front())
+      CHECK_TRUE(session_.receive(up_.front().second, now).ok());
+    for (; !down_.empty() && down_.front().first <= now; down_.pop_front())
+      (void)light_.receive(down_.front().second, now);
+    if (const auto due = session_.due(); due && due->release <= now) step(now, scratch, figures);
   }
 
  private:
-  void send(Bytes message, Time arrives) { up_.emplace_back(arrives, std::move(message)); }
+  void send(Bytes message, Time now) { up_.emplace_back(now + latency_, std::move(message)); }
 
-  void step(Time now, Duration latency, bool counts, ServerFlight& figures, Fnv1a& hash) {
+  void step(Time now, server::SessionScratch& scratch, ServerFlight& figures) {
+    const bool counts = now >= counts_;
     const server::SessionStatistics before = session_.statistics();
     out_.clear();
     if (counts)
-      stepThatCounts(session_, now, scratch_, out_);
+      stepThatCounts(session_, now, scratch, out_);
     else
-      session_.step(now, scratch_, out_);
+      session_.step(now, scratch, out_);
     session_.noteComputeTime(kTaken);
     size_t bytes = 0;
     for (Bytes& message : out_) {
       bytes += message.size();
-      for (uint8_t byte : message) hash.add(byte);
-      down_.emplace_back(now + kTaken + latency, std::move(message));
+      for (uint8_t byte : message) hash_.add(byte);
+      down_.emplace_back(now + kTaken + latency_, std::move(message));
     }
     if (!out_.empty()) session_.onDrained(now + kTaken);
     if (counts) count(before, bytes, figures);
@@ -76,12 +81,13 @@ class Leg {
     figures.region_rad += session_.keyframe().region_angle_rad;
   }
 
-  const ServerFlightOptions& options_;
+  const Time counts_, end_;
+  const Duration latency_;
   server::Session session_;
-  server::SessionScratch scratch_;
   LightViewer light_;
   std::deque<std::pair<Time, Bytes>> up_, down_;
   std::vector<Bytes> out_;
+  Fnv1a hash_;
 };
 
 }  // namespace
@@ -90,8 +96,19 @@ ServerFlight flyForServer(const std::shared_ptr<const server::World>& world, std
                           const ServerFlightOptions& options) {
   ServerFlight figures;
   Fnv1a hash;
+  server::SessionScratch scratch;
+  std::deque<Leg> legs;
+  const auto fly = [&] {
+    for (Time now; now < legs.front().end(); now = now + kTick)
+      for (Leg& leg : legs) leg.fly(now, scratch, figures);
+    for (const Leg& leg : legs) hash.addWord(leg.hash());
+    legs.clear();
+  };
   const Duration apart{(path->end() - path->start).us / options.legs};
-  for (int i = 0; i < options.legs; ++i) Leg(world, {path, apart * i, {}}, options).fly(figures, hash);
+  for (int i = 0; i < options.legs; ++i) {
+    legs.emplace_back(world, LightViewer::Flight{path, apart * i, {}}, options);
+    if (!options.side_by_side || i + 1 == options.legs) fly();
+  }
   figures.hash = hash.value();
   return figures;
 }

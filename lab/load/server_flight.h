@@ -18,6 +18,9 @@ struct ServerFlightOptions {
   double leg_s = 4;     // what is counted of each
   double run_in_s = 1;  // before it
   double round_trip_s = 0.05;
+  // Sessions take turns, keyframe by keyframe, so that none finds its memory in a processor's caches; not one leg after
+  // the other. Messages are the same.
+  bool side_by_side = false;
 };
 
 // Of the keyframes that are counted.

@@ -1,6 +1,7 @@
 // Memory of an adaptation step that is reused from step to step (adapter.h). A worker's own.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -9,16 +10,38 @@
 
 namespace foreland::proto {
 
-// A node whose membership in the section is undecided in a step.
-struct AdaptCandidate {
-  NodeId node;
-  Slot slot = 0;
-  uint32_t page = 0;   // its number
-  uint32_t entry = 0;  // its index in the pool of entries
-  bool is_in_section = false;
-  bool is_new = false;      // to the frontier, in this step
-  bool is_known = false;    // both ends know the node's height
-  bool is_settled = false;  // and its error
+// Nodes of a page whose membership in the section is undecided in a step; and what becomes of them.
+struct CandidatePage {
+  uint32_t number = 0;
+  SlotBits nodes;
+  SlotBits entering;    // those that are new to the frontier, in this step
+  SlotBits in_section;  // those that are in the section, once it is decided
+};
+
+// Nodes of a page.
+struct PagedBits {
+  uint32_t number = 0;
+  SlotBits nodes;
+};
+
+// Some candidates of a level that are decided together, ascending, in columns beside those of the tester's batch.
+struct CandidateColumns {
+  static constexpr size_t kSize = 256;
+  enum Flag : uint8_t {
+    kIsNew = 1,      // to the frontier, in this step
+    kIsKnown = 2,    // both ends know the node's height
+    kIsSettled = 4,  // and its error
+  };
+
+  size_t count = 0;
+  std::array<uint32_t, kSize> page;       // its number
+  std::array<uint8_t, kSize> rank;        // among the page's entries
+  std::array<uint8_t, kSize> flags;       // of Flag
+  std::array<uint8_t, kSize> in_section;  // 1 if it is, before and then after the decision
+
+  bool isNew(size_t i) const { return (flags[i] & kIsNew) != 0; }
+  bool isKnown(size_t i) const { return (flags[i] & kIsKnown) != 0; }
+  bool isSettled(size_t i) const { return (flags[i] & kIsSettled) != 0; }
 };
 
 // For terrain only: the predicates of some candidates (terrain_tester.h).
@@ -45,13 +68,15 @@ struct AdaptScratch {
   // Of each such page the first undecided node; or the first slots of pages of children of nodes that have changed
   // (page_changes.h).
   std::vector<Slot> new_pages;
-  std::vector<AdaptCandidate> candidates;
-  // Nodes that become known with the step's end.
-  struct PagedSlot {
-    uint32_t page;  // its number
-    uint8_t low;
+  std::vector<CandidatePage> candidates;  // of a level, ascending
+  CandidateColumns columns;
+  // Candidates of a page that are in the columns, from `begin` on.
+  struct Part {
+    size_t candidates, begin;  // the former in `candidates`
   };
-  std::vector<PagedSlot> learnt;
+  std::vector<Part> parts;
+  std::vector<PagedBits> changed;  // of the candidates: those that leave the section, or enter it
+  std::vector<PagedBits> learnt;   // nodes that become known with the step's end
   DecisionScratch decisions;
 
   void markUndecided(uint32_t page, uint8_t low) {

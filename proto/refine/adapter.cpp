@@ -1,6 +1,7 @@
 #include "proto/refine/adapter.h"
 
 #include <algorithm>
+#include <bit>
 #include <functional>
 #include <type_traits>
 
@@ -60,7 +61,7 @@ class Adapter<Tester>::Step {
     if (!a_.is_complete_) findFrontier();
     for (int level = 1; level <= topology_.maxLevel(); ++level)
       if (!add(level)) return false;
-    for (const AdaptScratch::PagedSlot& slot : scratch_.learnt) frontier_.learn(slot.page, slot.low);
+    for (const PagedBits& page : scratch_.learnt) frontier_.learn(page.number, page.nodes);
     tester_.endStep(frontier_, a_.steps_);
     return true;
   }
@@ -98,33 +99,33 @@ class Adapter<Tester>::Step {
     int level = 1;
     const Sweep sweep(*a_.domain_, tester.metric(),
                       motion_.isUnbounded() ? HiddenEntries::kTest : HiddenEntries::kLeave);
-    frontier_.forEachPage(
-        [&](uint32_t number, const FrontierPage& page, const float* heights, const FrontierEntry* entries) {
-          while (page.first() >= begin(level + 1)) ++level;
-          const Sweep::Found found = sweep.test(level, page, heights, entries);
-          a_.swept_ += page.entries;
-          found.changed.forEach([&](uint8_t rank) { scratch_.markUndecided(number, entries[rank].low()); });
-          if (found.unsure.any()) pushStale(number, page, level, found.unsure);
-        });
+    frontier_.forEachSwept([&](uint32_t number, Slot first, const EntryBlock& block, const uint32_t* bits,
+                               const uint8_t* heights) {
+      while (first >= begin(level + 1)) ++level;
+      const Sweep::Found found = sweep.test(level, first, block, bits, heights);
+      a_.swept_ += block.count;
+      found.changed.forEach([&](uint8_t rank) { scratch_.markUndecided(number, static_cast<uint8_t>(bits[rank])); });
+      if (found.unsure.any()) pushStale(number, level, found.unsure);
+    });
     finishStale();
   }
   // By those whose slack is used up. Those that still hold get a new one.
   void testStale() {
     int level = 1;
     frontier_.consume(motion_, [&](uint32_t number, const SlotBits& ranks) {
-      const FrontierPage& page = nodes_.page(number);
-      while (page.first() >= begin(level + 1)) ++level;
-      pushStale(number, page, level, ranks);
+      while (nodes_.page(number).first() >= begin(level + 1)) ++level;
+      pushStale(number, level, ranks);
     });
     finishStale();
   }
-  void pushStale(uint32_t number, const FrontierPage& page, int level, const SlotBits& ranks) {
+  void pushStale(uint32_t number, int level, const SlotBits& ranks) {
+    const FrontierPage& page = nodes_.page(number);
     const auto nodes = topology_.pageNodes(level, page.first());
-    const uint32_t first = frontier_.firstEntry(number);
+    const float radius = tester_.radius(level, page);
     ranks.forEach([&](uint8_t rank) {
-      const FrontierEntry entry = frontier_.entryAt(first + rank);
-      stale_[tester_.count()] = {number, first + rank, page.in_section.has(entry.low())};
-      tester_.push(nodes.at(entry.low()), level, page, entry);
+      const FrontierEntry entry{frontier_.entryBits(number)[rank]};
+      stale_[tester_.count()] = {number, rank, page.in_section.has(entry.low())};
+      tester_.push(nodes.at(entry.low()), page.first() | entry.low(), level, entry.bound(), radius);
       if (tester_.full()) finishStale();
     });
   }
@@ -134,7 +135,7 @@ class Adapter<Tester>::Step {
     // Without branches, for every other one is undecided. An undecided entry is replaced or removed in this step.
     for (size_t i = 0; i < tester_.count(); ++i) {
       const bool is_undecided = tester_.passes(i) != stale_[i].is_in_section;
-      frontier_.renew(stale_[i].index, tester_.entry(i, stale_[i].is_in_section), tester_.slack(i));
+      frontier_.renew(stale_[i].page, stale_[i].rank, tester_.entry(i, stale_[i].is_in_section));
       scratch_.undecided[stale_[i].page].add(lowOf(tester_.slot(i)), is_undecided);
       scratch_.has_undecided[stale_[i].page] |= static_cast<uint8_t>(is_undecided);
     }
@@ -146,9 +147,6 @@ class Adapter<Tester>::Step {
   enum class Which { kLeaves, kAddable };
   void collect(int level, Which which) {
     scratch_.candidates.clear();
-    runWithBitInstructions([&]() FORELAND_WITH_BIT_INSTRUCTIONS { collectAll(level, which); });
-  }
-  FORELAND_WITH_BIT_INSTRUCTIONS void collectAll(int level, Which which) {
     for (const Frontier::Nodes::PageName& name : nodes_.pagesOf(begin(level), begin(level + 1))) {
       if (!scratch_.has_undecided[name.number]) continue;
       SlotBits& undecided = scratch_.undecided[name.number];
@@ -158,68 +156,113 @@ class Adapter<Tester>::Step {
       if (taken.any()) collect(level, which, name.number, taken);
     }
   }
-  FORELAND_WITH_BIT_INSTRUCTIONS void collect(int level, Which which, uint32_t number, SlotBits taken) {
+  void collect(int level, Which which, uint32_t number, SlotBits taken) {
     const FrontierPage& page = nodes_.page(number);
-    const auto nodes = topology_.pageNodes(level, page.first());
     SlotBits entering = taken - page.on_frontier;
     if (which == Which::kLeaves) {  // parents of removed nodes, some of which have other children
-      const SlotBits inner = changes_.innerOf(level, nodes, entering);
+      const SlotBits inner = changes_.innerOf(level, topology_.pageNodes(level, page.first()), entering);
       entering = entering - inner;
       taken = taken - inner;
     }
     frontier_.enter(number, entering,
                     which == Which::kLeaves ? FrontierEntry::newLeaf(0) : FrontierEntry::newAddable(0));
-    taken.forEachRanked(page.on_frontier, [&](uint8_t low, uint32_t rank) {
-      scratch_.candidates.push_back({.node = nodes.at(low),
-                                     .slot = page.first() | low,
-                                     .page = number,
-                                     .entry = frontier_.firstEntry(number) + rank,
-                                     .is_in_section = which == Which::kLeaves,
-                                     .is_new = entering.has(low),
-                                     .is_known = page.knowledge.known.has(low),
-                                     .is_settled = page.knowledge.settled.has(low)});
-    });
+    scratch_.candidates.push_back({.number = number, .nodes = taken, .entering = entering, .in_section = {}});
   }
   // Decides for each candidate whether it is in the section from now on, and renews its entry.
-  bool resolve(int level) {
-    std::vector<AdaptCandidate>& candidates = scratch_.candidates;
-    for (size_t begin = 0; begin < candidates.size(); begin += Tester::kSize)
-      if (!resolve(level, std::span(candidates).subspan(begin, std::min(Tester::kSize, candidates.size() - begin))))
-        return false;
-    return true;
-  }
-  bool resolve(int level, std::span<AdaptCandidate> part) {
+  bool resolve(int level, Which which) {
+    was_in_section_ = which == Which::kLeaves ? 1 : 0;
+    scratch_.columns.count = 0;
+    scratch_.parts.clear();
     tester_.clear();
-    for (const AdaptCandidate& c : part) tester_.push(c.node, level, nodes_.page(c.page), frontier_.entryAt(c.entry));
-    if (!tester_.decide(level, part, frontier_)) return false;
-    a_.tests_ += part.size();
-    for (size_t i = 0; i < part.size(); ++i)
-      frontier_.renew(part[i].entry, tester_.entry(i, part[i].is_in_section), tester_.slack(i));
-    tester_.clear();
-    return true;
-  }
-  // Keeps the candidates that are in the section now, or those that are not. Without branches, for nothing foretells
-  // it.
-  void keep(Which which) {
-    std::vector<AdaptCandidate>& candidates = scratch_.candidates;
-    size_t kept = 0;
-    for (const AdaptCandidate& c : candidates) {
-      candidates[kept] = c;
-      kept += c.is_in_section == (which == Which::kLeaves) ? 1 : 0;
+    for (size_t k = 0; k < scratch_.candidates.size(); ++k) {
+      SlotBits left = scratch_.candidates[k].nodes;
+      while (left.any()) {
+        runWithBitInstructions([&]() FORELAND_WITH_BIT_INSTRUCTIONS { left = fill(level, k, left); });
+        if (scratch_.columns.count == Tester::kSize && !decide(level)) return false;
+      }
     }
-    candidates.resize(kept);
+    return scratch_.columns.count == 0 || decide(level);
+  }
+  // Puts nodes of a page of candidates into the columns, and returns those for which there is no room.
+  FORELAND_WITH_BIT_INSTRUCTIONS SlotBits fill(int level, size_t k, const SlotBits& nodes) {
+    const CandidatePage& some = scratch_.candidates[k];
+    const FrontierPage& page = nodes_.page(some.number);
+    const auto names = topology_.pageNodes(level, page.first());
+    const float radius = tester_.radius(level, page);
+    const uint32_t number = some.number, *const bits = frontier_.entryBits(number);
+    const Slot first = page.first();
+    CandidateColumns& c = scratch_.columns;
+    size_t count = c.count;
+    scratch_.parts.push_back({k, count});
+    uint32_t before = 0;  // of the page's entries
+    SlotBits left = nodes;
+    for (uint32_t w = 0; w < 4; ++w) {
+      const uint64_t entering = some.entering.words[w], known = page.knowledge.known.words[w],
+                     settled = page.knowledge.settled.words[w], on_frontier = page.on_frontier.words[w];
+      uint64_t word = left.words[w];
+      for (; word != 0 && count < Tester::kSize; word &= word - 1, ++count) {
+        const auto bit = static_cast<uint32_t>(std::countr_zero(word));
+        const uint32_t low = w << 6 | bit,
+                       rank = before + static_cast<uint32_t>(std::popcount(on_frontier & (~word & (word - 1))));
+        c.page[count] = number;
+        c.rank[count] = static_cast<uint8_t>(rank);
+        c.flags[count] =
+            static_cast<uint8_t>((entering >> bit & 1) | (known >> bit & 1) << 1 | (settled >> bit & 1) << 2);
+        tester_.push(names.at(low), first | low, level, FrontierEntry{bits[rank]}.bound(), radius);
+      }
+      left.words[w] = word;
+      before += static_cast<uint32_t>(std::popcount(on_frontier));
+    }
+    c.count = count;
+    return left;
+  }
+  // Those in the columns.
+  bool decide(int level) {
+    CandidateColumns& c = scratch_.columns;
+    std::fill_n(c.in_section.begin(), c.count, was_in_section_);
+    if (!tester_.decide(level, c, frontier_)) return false;
+    a_.tests_ += c.count;
+    scratch_.parts.push_back({0, c.count});
+    for (size_t p = 0; p + 1 < scratch_.parts.size(); ++p) {
+      const size_t begin = scratch_.parts[p].begin, end = scratch_.parts[p + 1].begin;
+      CandidatePage& page = scratch_.candidates[scratch_.parts[p].candidates];
+      SlotBits in_section = page.in_section;
+      for (size_t i = begin; i < end; ++i) in_section.add(lowOf(tester_.slot(i)), c.in_section[i] != 0);
+      page.in_section = in_section;
+      frontier_.renew(page.number, std::span(c.rank).subspan(begin, end - begin),
+                      [&](size_t i) { return tester_.entry(begin + i, c.in_section[begin + i] != 0); });
+    }
+    scratch_.parts.clear();
+    tester_.clear();
+    c.count = 0;
+    return true;
+  }
+  // Takes as changed what is in the section now, or what is not; their number.
+  size_t keep(Which which) {
+    size_t count = 0;
+    scratch_.changed.clear();
+    runWithBitInstructions([&]() FORELAND_WITH_BIT_INSTRUCTIONS {
+      for (const CandidatePage& c : scratch_.candidates) {
+        const SlotBits nodes = which == Which::kLeaves ? c.in_section : c.nodes - c.in_section;
+        if (!nodes.any()) continue;
+        scratch_.changed.push_back({c.number, nodes});
+        count += nodes.count();
+      }
+    });
+    return count;
   }
 
   // Removes leaves of a level. Their children leave the frontier; parents without other children come to it, and may be
   // removed in turn.
   bool remove(int level) {
     collect(level, Which::kLeaves);
-    if (!resolve(level)) return false;
-    keep(Which::kAddable);
-    std::vector<AdaptCandidate>& candidates = scratch_.candidates;
-    a_.nodes_in_section_ -= candidates.size();
-    changes_.remove(level, candidates);
-    for (size_t i = candidates.size(); i-- > 0;) delta_.removed.push_back(candidates[i].slot);
+    if (!resolve(level, Which::kLeaves)) return false;
+    a_.nodes_in_section_ -= keep(Which::kAddable);
+    changes_.remove(level, scratch_.changed);
+    for (size_t k = scratch_.changed.size(); k-- > 0;) {
+      const Slot first = nodes_.page(scratch_.changed[k].number).first();
+      scratch_.changed[k].nodes.forEachDescending([&](uint8_t low) { delta_.removed.push_back(first | low); });
+    }
     return true;
   }
   // Finds all nodes that can be added to a section of which only the leaves have entries.
@@ -240,17 +283,18 @@ class Adapter<Tester>::Step {
   bool add(int level) {
     makePages(level);
     collect(level, Which::kAddable);
-    std::vector<AdaptCandidate>& candidates = scratch_.candidates;
-    tester_.tellAddable(level, candidates);
-    if (!resolve(level)) return false;
-    keep(Which::kLeaves);
-    if (a_.nodes_in_section_ + candidates.size() > max_nodes_) return candidates.empty();
-    a_.nodes_in_section_ += candidates.size();
-    for (const AdaptCandidate& c : candidates) {
-      delta_.added.push_back(c.slot);
-      if (!c.is_known) scratch_.learnt.push_back({c.page, lowOf(c.slot)});
+    tester_.tellAddable(level, scratch_.candidates, nodes_);
+    if (!resolve(level, Which::kAddable)) return false;
+    const size_t count = keep(Which::kLeaves);
+    if (a_.nodes_in_section_ + count > max_nodes_) return count == 0;
+    a_.nodes_in_section_ += count;
+    for (const PagedBits& come : scratch_.changed) {
+      const FrontierPage& page = nodes_.page(come.number);
+      come.nodes.forEach([&](uint8_t low) { delta_.added.push_back(page.first() | low); });
+      const SlotBits learnt = come.nodes - page.knowledge.known;
+      if (learnt.any()) scratch_.learnt.push_back({come.number, learnt});
     }
-    changes_.add(level, candidates);
+    changes_.add(level, scratch_.changed);
     return true;
   }
 
@@ -278,7 +322,7 @@ class Adapter<Tester>::Step {
   }
 
   struct Stale {
-    uint32_t page, index;
+    uint32_t page, rank;
     bool is_in_section;
   };
 
@@ -293,13 +337,14 @@ class Adapter<Tester>::Step {
   CutDelta& delta_;
   Tester tester_;
   Changes changes_;
+  uint8_t was_in_section_ = 0;              // of the candidates
   std::array<Stale, Tester::kSize> stale_;  // of the nodes in the tester
 };
 
 // Leaves get entries without slack, so the first step tests them all; it finds the rest of the frontier, too.
 template <class Tester>
 Adapter<Tester>::Adapter(const Domain& domain, std::span<const Slot> section, Source& source)
-    : domain_(&domain), memory_(domain), nodes_in_section_(section.size()) {
+    : domain_(&domain), frontier_(Tester::entryKind(domain)), memory_(domain), nodes_in_section_(section.size()) {
   const auto& topology = domain.topology();
   const Frontier::Nodes& nodes = frontier_.nodes();
   for (Slot slot : section) {
@@ -313,8 +358,7 @@ Adapter<Tester>::Adapter(const Domain& domain, std::span<const Slot> section, So
   for (Slot slot : section) {
     bool is_leaf = true;
     for (NodeId child : topology.children(topology.node(slot))) is_leaf = is_leaf && !contains(topology.slot(child));
-    if (is_leaf)
-      frontier_.put(nodes.find(slot), Tester::unknownLeaf(domain, lowOf(slot)), Tester::unknownSlack(domain));
+    if (is_leaf) frontier_.put(nodes.find(slot), Tester::unknownLeaf(domain, lowOf(slot)));
   }
 }
 
@@ -332,7 +376,7 @@ void Adapter<Tester>::learn(std::span<const KnownPage> pages) {
 template <class Tester>
 void Adapter<Tester>::restart(Remembered remembered) {
   const std::vector<KnownPage> pages = livePages();
-  frontier_ = Frontier();
+  frontier_ = Frontier(Tester::entryKind(*domain_));
   memory_.restart(remembered);
   if (remembered == Remembered::kPages)
     for (const KnownPage& page : pages) memory_.keep(page.first, page.knowledge);

@@ -34,7 +34,7 @@ class Adapter {
   using Source = typename Tester::Source;
 
   // The adapter begins with the empty section.
-  explicit Adapter(const Domain& domain) : domain_(&domain), memory_(domain) {}
+  explicit Adapter(const Domain& domain) : domain_(&domain), frontier_(Tester::entryKind(domain)), memory_(domain) {}
   // The adapter begins with `section`, which is closed and of whose nodes' errors nothing is known. The source gives
   // the radii of the section's pages.
   Adapter(const Domain& domain, std::span<const Slot> section, Source& source);

@@ -32,27 +32,27 @@ class NodeChanges {
     scratch_.near_pages.resize(nodes_.pageCount() + 1);
   }
 
-  // Candidates of a level, ascending, that leave the section, or enter it.
-  void remove(int level, std::span<const AdaptCandidate> candidates) {
-    for (const AdaptCandidate& c : candidates) {
-      frontier_.removeFromSection(c.page, lowOf(c.slot));
-      for (NodeId child : topology_.children(c.node, level)) leave(topology_.slot(child, level + 1));
-      for (NodeId parent : topology_.parents(c.node, level)) {
+  // Nodes of a level, by page, ascending, that leave the section, or enter it.
+  void remove(int level, std::span<const PagedBits> changed) {
+    for (const PagedBits& page : changed) frontier_.removeFromSection(page.number, page.nodes);
+    forEachNode(level, changed, [&](NodeId n) {
+      for (NodeId child : topology_.children(n, level)) leave(topology_.slot(child, level + 1));
+      for (NodeId parent : topology_.parents(n, level)) {
         const Slot above = topology_.slot(parent, level - 1);
         scratch_.markUndecided(nodes_.find(above), lowOf(above));
       }
-    }
+    });
     endLeaving();
   }
-  void add(int level, std::span<const AdaptCandidate> candidates) {
-    for (const AdaptCandidate& c : candidates) frontier_.addToSection(c.page, lowOf(c.slot));
-    for (const AdaptCandidate& c : candidates) {
-      for (NodeId parent : topology_.parents(c.node, level)) leave(topology_.slot(parent, level - 1));
-      for (NodeId child : topology_.children(c.node, level))
-        if (topology_.hasOtherParent(child, c.node,
+  void add(int level, std::span<const PagedBits> changed) {
+    for (const PagedBits& page : changed) frontier_.addToSection(page.number, page.nodes);
+    forEachNode(level, changed, [&](NodeId n) {
+      for (NodeId parent : topology_.parents(n, level)) leave(topology_.slot(parent, level - 1));
+      for (NodeId child : topology_.children(n, level))
+        if (topology_.hasOtherParent(child, n,
                                      [&](NodeId other) { return nodes_.isInSection(topology_.slot(other, level)); }))
           scratch_.considerAddable(nodes_, topology_.slot(child, level + 1), scratch_.pending);
-    }
+    });
     endLeaving();
   }
 
@@ -66,6 +66,13 @@ class NodeChanges {
   }
 
  private:
+  template <class Visit>
+  void forEachNode(int level, std::span<const PagedBits> pages, const Visit& visit) const {
+    for (const PagedBits& page : pages) {
+      const auto names = topology_.pageNodes(level, nodes_.page(page.number).first());
+      page.nodes.forEach([&](uint8_t low) { visit(names.at(low)); });
+    }
+  }
   bool hasChildInSection(NodeId n, int level) const {
     bool any = false;  // without branches, for nothing foretells which children are there
     for (NodeId child : topology_.children(n, level)) any = any | nodes_.isInSection(topology_.slot(child, level + 1));

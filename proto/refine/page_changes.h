@@ -18,12 +18,12 @@ class PageChanges {
       : neighbours_(grid, frontier.nodes()), frontier_(frontier), nodes_(frontier.nodes()), scratch_(scratch) {}
   void grow() {}
 
-  void remove(int level, std::span<const AdaptCandidate> candidates) {
+  void remove(int level, std::span<const PagedBits> changed) {
     begin();
-    forEachPage(candidates, [&](uint32_t number, const SlotBits& gone) {
-      frontier_.removeFromSection(number, gone);
-      noteNeighbours(level, nodes_.page(number).first(), gone);
-    });
+    for (const PagedBits& gone : changed) {
+      frontier_.removeFromSection(gone.number, gone.nodes);
+      noteNeighbours(level, nodes_.page(gone.number).first(), gone.nodes);
+    }
     forEachOf(scratch_.new_pages, [&](Slot first, uint32_t number) {
       const FrontierPage& page = nodes_.page(number);
       const SlotBits addable = page.on_frontier - page.in_section;
@@ -36,12 +36,12 @@ class PageChanges {
     });
   }
 
-  void add(int level, std::span<const AdaptCandidate> candidates) {
+  void add(int level, std::span<const PagedBits> changed) {
     begin();
-    forEachPage(candidates, [&](uint32_t number, const SlotBits& come) {
-      frontier_.addToSection(number, come);
-      noteNeighbours(level, nodes_.page(number).first(), come);
-    });
+    for (const PagedBits& come : changed) {
+      frontier_.addToSection(come.number, come.nodes);
+      noteNeighbours(level, nodes_.page(come.number).first(), come.nodes);
+    }
     forEachOf(scratch_.near_pages, [&](Slot first, uint32_t number) {
       const FrontierPage& page = nodes_.page(number);
       const SlotBits leaves = page.on_frontier & page.in_section;
@@ -74,16 +74,6 @@ class PageChanges {
   void begin() {
     scratch_.near_pages.clear();
     scratch_.new_pages.clear();
-  }
-  // The candidates are ascending, so those of a page follow each other.
-  template <class Visit>
-  static void forEachPage(std::span<const AdaptCandidate> candidates, const Visit& visit) {
-    for (size_t i = 0; i < candidates.size();) {
-      const uint32_t number = candidates[i].page;
-      SlotBits nodes;
-      for (; i < candidates.size() && candidates[i].page == number; ++i) nodes.set(lowOf(candidates[i].slot));
-      visit(number, nodes);
-    }
   }
   // Notes the pages of the parents and of the children of some of a page's nodes.
   void noteNeighbours(int level, Slot first, const SlotBits& some) {

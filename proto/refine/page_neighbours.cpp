@@ -51,7 +51,8 @@ Slot PageNeighbours::firstOf(int level, const Place& place) const {
 
 const SlotBits& PageNeighbours::inSection(int level, const Place& place) const {
   const Slot first = firstOf(level, place);
-  return nodes_.page(first == kNoSlot ? Frontier::Nodes::kNone : nodes_.find(first)).in_section;
+  const FrontierPage& page = nodes_.page(first == kNoSlot ? Frontier::Nodes::kNone : nodes_.find(first));
+  return of_ == Of::kSection ? page.in_section : page.knowledge.known;
 }
 
 SlotBits PageNeighbours::withChild(int level, const Place& place) const {

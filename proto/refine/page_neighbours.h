@@ -1,6 +1,6 @@
-// Which nodes of a page (kPageSlots) of a grid have a child in the section, or all of their parents: of all 256 at
-// once, on the bits of the two to five pages that hold these, so that no node is named and none looked up. What it must
-// equal, node by node, are GridTopology::children() and parents().
+// Which nodes of a page (kPageSlots) of a grid have a child in the section, or all of their parents, or have all of
+// them known to both ends: of all 256 at once, on the bits of the two to five pages that hold these, so that no node is
+// named and none looked up. What it must equal, node by node, are GridTopology::children() and parents().
 //
 // A page of centres has one bit for each cell of a tile of 16 x 16: 16 r + c for the centre of the cell in column c and
 // row r. A page of sides has two for each cell of half a tile, 8 rows: 32 r + 2 c for the side below the cell, which
@@ -19,7 +19,11 @@ namespace foreland::proto {
 
 class PageNeighbours {
  public:
-  PageNeighbours(const GridTopology& grid, const Frontier::Nodes& nodes) : grid_(grid), nodes_(nodes) {}
+  // The nodes that are asked about: those in the section, or those of them that both ends know.
+  enum class Of : uint8_t { kSection, kKnown };
+
+  PageNeighbours(const GridTopology& grid, const Frontier::Nodes& nodes, Of of = Of::kSection)
+      : grid_(grid), nodes_(nodes), of_(of) {}
 
   // Where a page is among those of its level: the tile's column and row, and which half of it, 0 or 1, for sides. A
   // place may lie outside of the grid.
@@ -52,6 +56,7 @@ class PageNeighbours {
 
   const GridTopology& grid_;
   const Frontier::Nodes& nodes_;
+  const Of of_;
 };
 
 template <class Visit>

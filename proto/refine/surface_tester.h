@@ -45,27 +45,27 @@ class SurfaceTester {
   }
 
   static FrontierEntry unknownLeaf(const Domain&, uint8_t low) { return FrontierEntry::newLeaf(low); }
-  static float unknownSlack(const Domain&) { return 0; }
+  static EntryKind entryKind(const Domain&) { return EntryKind::kSlack; }
 
   size_t count() const { return count_; }
   bool full() const { return count_ == kSize; }
   void clear() { count_ = 0; }
-  void push(NodeId, int, const FrontierPage& page, FrontierEntry entry) {
-    slot_[count_++] = page.first() | entry.low();
-  }
+  float radius(int, const FrontierPage&) const { return 0; }
+  void push(NodeId, Slot slot, int, QuantisedError, float) { slot_[count_++] = slot; }
 
   // As TerrainTester has them.
   void test();
-  bool decide(int, std::span<AdaptCandidate> candidates, Frontier&) {
+  bool decide(int, CandidateColumns& candidates, Frontier&) {
     test();
-    for (size_t i = 0; i < candidates.size(); ++i) candidates[i].is_in_section = passes(i);
+    for (size_t i = 0; i < candidates.count; ++i) candidates.in_section[i] = passes(i) ? 1 : 0;
     return true;
   }
   Slot slot(size_t i) const { return slot_[i]; }
   bool passes(size_t i) const { return passes_[i] != 0; }
-  FrontierEntry entry(size_t i, bool) const { return FrontierEntry::of(lowOf(slot_[i]), {}, constraint_[i]); }
-  float slack(size_t i) const { return slack_[i]; }
-  void tellAddable(int, std::span<const AdaptCandidate>) {}
+  FrontierEntry entry(size_t i, bool) const {
+    return FrontierEntry::of(lowOf(slot_[i]), {}, constraint_[i], slack_[i]);
+  }
+  void tellAddable(int, std::span<const CandidatePage>, const Frontier::Nodes&) {}
 
  private:
   const SurfaceMetric metric_;

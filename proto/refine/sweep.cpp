@@ -84,11 +84,6 @@ Sweep::Found collect(const Answers& answers, uint32_t count) {
 
 }  // namespace
 
-float Sweep::heightOf(int32_t quanta) {
-  if (quanta < -kHighest || quanta > kHighest) return std::numeric_limits<float>::quiet_NaN();
-  return static_cast<float>(quanta);
-}
-
 Sweep::Sweep(const TerrainDomain& domain, const Metric& metric, HiddenEntries hidden, double tolerance)
     : domain_(domain), hidden_(hidden), region_radius_(metric.regionRadius()), tolerance_(tolerance) {
   const Frame& frame = domain.frame.transform().frame();
@@ -119,10 +114,11 @@ Sweep::Sweep(const TerrainDomain& domain, const Metric& metric, HiddenEntries hi
         .of_steep = f(tolerance * kMore * 0.25 * frustum.sinAngle())};
 }
 
-[[gnu::always_inline]] inline Sweep::Place Sweep::placeOf(int level, const FrontierPage& page) const {
+[[gnu::always_inline]] inline Sweep::Place Sweep::placeOf(int level, Slot first_slot,
+                                                          QuantisedRadius page_radius) const {
   const auto half =
       static_cast<double>(1u << (domain_.grid.shape().root_log2 - 1 - (static_cast<uint32_t>(level) >> 1)));
-  const NodeId first = domain_.grid.pageNodes(level, page.first()).at(0);  // of centres the middle of the first cell
+  const NodeId first = domain_.grid.pageNodes(level, first_slot).at(0);  // of centres the middle of the first cell
   const bool is_sides = (level & 1) != 0;
   const double right = kMiddle * half, up = (is_sides ? kMiddle / 2 : kMiddle) * half;  // from a corner to the middle
   const double x = first.x() - half + right, y = first.y() - (is_sides ? 0 : half) + up;
@@ -132,7 +128,7 @@ Sweep::Sweep(const TerrainDomain& domain, const Metric& metric, HiddenEntries hi
     place.along_x[i] = static_cast<float>(row_[i][0] * half);
     place.along_y[i] = static_cast<float>(row_[i][1] * half);
   }
-  const double radius = domain_.radius(level, page.knowledge.radius) + region_radius_;
+  const double radius = domain_.radius(level, page_radius) + region_radius_;
   const double extent = 2 * (right * step_x_ + up * step_y_);
   place.radius = static_cast<float>(radius);
   place.tolerance =
@@ -145,27 +141,30 @@ template <bool kSides>
 struct Sweep::Loop {
   const Constants& constants;
   const Place& at;
-  const float* heights;
-  const FrontierEntry* entries;
+  const uint32_t* all_bits;
+  const uint8_t* upper_heights;
   int32_t hidden_is_same;  // -1 or 0
   int32_t* answers;
 
   [[gnu::always_inline]] void operator()(size_t begin, size_t end) const {
-    const Constants k = constants;  // their own memory, so that the loop vectorises
+    const Constants k = constants;  // their own memory, so that the loops vectorise
     const Place place = at;
-    const float* const height = heights;
-    const FrontierEntry* const entry = entries;
+    const uint32_t* const entry = all_bits;
+    const uint8_t* const upper = upper_heights;
     const int32_t leave = hidden_is_same;
     int32_t* const answer = answers;
+    // A loop of its own, so that all that the next one reads is of one width.
+    alignas(64) std::array<int32_t, kPageSlots> height;
+    for (size_t i = begin; i < end; ++i) height[i] = FrontierEntry::heightOf(entry[i], upper[i]);
     for (size_t i = begin; i < end; ++i) {
-      const auto bits = static_cast<int32_t>(entry[i].bits);
+      const auto bits = static_cast<int32_t>(entry[i]);
       const int32_t cell = kSides ? bits >> 1 & 127 : bits & 255, along_y = kSides ? bits & 1 : 1;
       const auto lattice_x = static_cast<float>(2 * (cell & 15) + (kSides ? 1 - along_y : 1) - kMiddle),
                  lattice_y = static_cast<float>(2 * (cell >> 4) + along_y - (kSides ? kMiddle / 2 : kMiddle));
       const auto row = [&](size_t r) __attribute__((always_inline)) {
         return place.origin[r] + place.along_x[r] * lattice_x + place.along_y[r] * lattice_y;
       };
-      const float h = height[i] - k.eye_height;
+      const float h = static_cast<float>(height[i]) - k.eye_height;
       const float x = row(0) + k.up[0] * h, y = row(1) + k.up[1] * h, z = row(2) + k.up[2] * h;
       const float east = row(3), north = row(4), R = place.radius;
 
@@ -185,36 +184,39 @@ struct Sweep::Loop {
       const float tolerance = k.of_distance * d + place.tolerance;
       const float of_any = tolerance + k.of_error * K, of_vertical = tolerance * (K + 2 * nearest + tolerance),
                   of_inside = tolerance + (beside2 * 16 < d2 ? k.of_side + k.of_steep : k.of_side) * d;
+      const int32_t is_known = -static_cast<int32_t>(height[i] >= FrontierEntry::kLeastHeight);
+      const int32_t is_hidden = -static_cast<int32_t>(height[i] == FrontierEntry::kHidden);
       const int32_t passes = -static_cast<int32_t>((any > of_any) & (vertical > of_vertical) & (inside > of_inside));
       const int32_t fails = -static_cast<int32_t>((any < -of_any) | (vertical < -of_vertical) | (inside < -of_inside));
-      const int32_t is_in_section = bits << 15 >> 31, is_hidden = bits << 14 >> 31;
-      const int32_t changed = ((is_in_section & fails) | (~is_in_section & passes)) & ~is_hidden;
-      const int32_t same = ((is_in_section & passes) | (~is_in_section & fails)) & ~is_hidden;
+      const int32_t is_in_section = bits << 15 >> 31;
+      const int32_t changed = ((is_in_section & fails) | (~is_in_section & passes)) & is_known;
+      const int32_t same = ((is_in_section & passes) | (~is_in_section & fails)) & is_known;
       answer[i] = (changed & kChanged) | (~changed & ~same & ~(is_hidden & leave) & kUnsure);
     }
   }
 };
 
-Sweep::Found Sweep::test(int level, const FrontierPage& page, const float* heights, const FrontierEntry* entries,
+Sweep::Found Sweep::test(int level, Slot first, const EntryBlock& block, const uint32_t* bits, const uint8_t* heights,
                          Vectors vectors) const {
   const int32_t leave = hidden_ == HiddenEntries::kLeave ? -1 : 0;
+  const uint32_t count = block.count;
   // In whole vectors, so that nothing is left for a loop without any.
-  const uint32_t held = (page.entries + EntryPool::kVector - 1) / EntryPool::kVector * EntryPool::kVector;
+  const uint32_t held = (count + EntryPool::kVector - 1) / EntryPool::kVector * EntryPool::kVector;
   alignas(64) Answers answers;
   runLoop<Vectors::kAvx2>(
       vectors, held, [&](size_t begin, size_t end) __attribute__((always_inline)) {
-        const Place place = placeOf(level, page);
+        const Place place = placeOf(level, first, block.radius);
         if ((level & 1) != 0)
-          Loop<true>{k_, place, heights, entries, leave, answers.data()}(begin, end);
+          Loop<true>{k_, place, bits, heights, leave, answers.data()}(begin, end);
         else
-          Loop<false>{k_, place, heights, entries, leave, answers.data()}(begin, end);
+          Loop<false>{k_, place, bits, heights, leave, answers.data()}(begin, end);
       });
 #if defined(FORELAND_AVX2)
-  const Found found = (vectors >= Vectors::kAvx2 ? collectByAvx2 : collect)(answers, page.entries);
+  const Found found = (vectors >= Vectors::kAvx2 ? collectByAvx2 : collect)(answers, count);
 #else
-  const Found found = collect(answers, page.entries);
+  const Found found = collect(answers, count);
 #endif
-  const SlotBits there = SlotBits::below(page.entries);
+  const SlotBits there = SlotBits::below(count);
   return {found.changed & there, found.unsure & there};
 }
 

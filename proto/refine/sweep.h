@@ -12,7 +12,8 @@
 #include <cstdint>
 
 #include "base/vectors.h"
-#include "proto/refine/frontier.h"
+#include "proto/refine/memory/entry_pool.h"
+#include "proto/refine/memory/slot_bits.h"
 #include "proto/refine/metric/metric.h"
 #include "proto/refine/metric/terrain_domain.h"
 
@@ -30,13 +31,10 @@ class Sweep {
   struct Found {
     SlotBits changed, unsure;
   };
-  // `heights` and `entries` are the page's, in whole vectors (EntryPool::kVector). O(entries).
-  Found test(int level, const FrontierPage& page, const float* heights, const FrontierEntry* entries,
+  // `first` is the page's first slot. `bits` and `heights` are columns of its entries, in whole vectors
+  // (EntryPool::kVector). O(entries).
+  Found test(int level, Slot first, const EntryBlock& block, const uint32_t* bits, const uint8_t* heights,
              Vectors vectors = widestVectors()) const;
-
-  // The height of a node's sphere as entries keep it. Not a number, which makes entries unsure, where it has no exact
-  // float within what the tolerance is derived for.
-  static float heightOf(int32_t quanta);
 
  private:
   static constexpr size_t kRows = 5;  // to the right, up, depth, east, north, of a position relative to the eye
@@ -48,7 +46,7 @@ class Sweep {
   };
   template <bool kSides>
   struct Loop;
-  Place placeOf(int level, const FrontierPage& page) const;
+  Place placeOf(int level, Slot first, QuantisedRadius radius) const;
 
   const TerrainDomain& domain_;
   const HiddenEntries hidden_;

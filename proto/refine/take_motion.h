@@ -20,22 +20,24 @@
 
 namespace foreland::proto {
 
-// Whole vectors are worked on, up to `count` rounded up to EntryPool::kVector; behind the last entry slacks are
-// endless. Which entries have a slack below zero then, by their index.
-inline SlotBits takeMotionByScalars(const MotionBound& motion, float* slack, const FrontierEntry* entries,
-                                    uint32_t count) {
+// Columns as EntryPool has them. Whole vectors are worked on, up to `count` rounded up to EntryPool::kVector. Which
+// entries have a slack below zero then, by their index; what it says of those from `count` on means nothing.
+inline SlotBits takeMotionByScalars(const MotionBound& motion, uint32_t* slacks, const uint32_t* bits, uint32_t count) {
   SlotBits stale;
   for (uint32_t i = 0; i < count; ++i) {
-    const uint32_t sensitivity = entries[i].sensitivity();
-    slack[i] -= motion.fixed[sensitivity] + motion.per_distance[sensitivity] * entries[i].maxDistance();
-    stale.add(static_cast<uint8_t>(i), std::bit_cast<int32_t>(slack[i]) < 0);
+    const uint32_t sensitivity = FrontierEntry::sensitivityOf(bits[i]);
+    const float slack =
+        std::bit_cast<float>(slacks[i]) -
+        (motion.fixed[sensitivity] + motion.per_distance[sensitivity] * FrontierEntry::maxDistanceOf(bits[i]));
+    slacks[i] = std::bit_cast<uint32_t>(slack);
+    stale.add(static_cast<uint8_t>(i), slacks[i] >> 31 != 0);
   }
   return stale;
 }
 
 #if defined(FORELAND_AVX2)
 
-FORELAND_AVX2 inline SlotBits takeMotionByAvx2(const MotionBound& motion, float* slack, const FrontierEntry* entries,
+FORELAND_AVX2 inline SlotBits takeMotionByAvx2(const MotionBound& motion, uint32_t* slacks, const uint32_t* bits,
                                                uint32_t count) {
   static_assert(EntryPool::kVector == 8);
   // Both tables have four numbers, which the lower two bits of a lane choose from: a sensitivity.
@@ -44,43 +46,44 @@ FORELAND_AVX2 inline SlotBits takeMotionByAvx2(const MotionBound& motion, float*
   const __m256i distance_bits = _mm256_set1_epi32(static_cast<int32_t>(0xfffc0000u));
   SlotBits stale;
   for (uint32_t i = 0; i < count; i += EntryPool::kVector) {
-    const __m256i entry = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(entries + i));
+    const __m256i entry = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(bits + i));
     const __m256i sensitivity = _mm256_srli_epi32(entry, 16);
     const __m256 max_distance = _mm256_castsi256_ps(_mm256_srli_epi32(_mm256_and_si256(entry, distance_bits), 1));
     const __m256 taken = _mm256_add_ps(_mm256_permutevar_ps(fixed, sensitivity),
                                        _mm256_mul_ps(_mm256_permutevar_ps(per_distance, sensitivity), max_distance));
-    const __m256 left = _mm256_sub_ps(_mm256_loadu_ps(slack + i), taken);
-    _mm256_storeu_ps(slack + i, left);
+    float* const slack = reinterpret_cast<float*>(slacks + i);  // the instructions may read and write any type
+    const __m256 left = _mm256_sub_ps(_mm256_loadu_ps(slack), taken);
+    _mm256_storeu_ps(slack, left);
     stale.words[i / 64] |= static_cast<uint64_t>(_mm256_movemask_ps(left)) << i % 64;
   }
   return stale;
 }
 
-inline SlotBits takeMotion(const MotionBound& motion, float* slack, const FrontierEntry* entries, uint32_t count,
+inline SlotBits takeMotion(const MotionBound& motion, uint32_t* slacks, const uint32_t* bits, uint32_t count,
                            Vectors vectors = widestVectors()) {
-  return vectors >= Vectors::kAvx2 ? takeMotionByAvx2(motion, slack, entries, count)
-                                   : takeMotionByScalars(motion, slack, entries, count);
+  return vectors >= Vectors::kAvx2 ? takeMotionByAvx2(motion, slacks, bits, count)
+                                   : takeMotionByScalars(motion, slacks, bits, count);
 }
 
 #elif defined(__wasm_simd128__)
 
-inline SlotBits takeMotion(const MotionBound& motion, float* slack, const FrontierEntry* entries, uint32_t count,
+inline SlotBits takeMotion(const MotionBound& motion, uint32_t* slacks, const uint32_t* bits, uint32_t count,
                            Vectors vectors = widestVectors()) {
-  if (vectors == Vectors::kScalar) return takeMotionByScalars(motion, slack, entries, count);
+  if (vectors == Vectors::kScalar) return takeMotionByScalars(motion, slacks, bits, count);
   static_assert(EntryPool::kVector % 4 == 0);
   // The bytes of one of four numbers, chosen by a sensitivity.
   const v128_t fixed = wasm_v128_load(motion.fixed.data()), per_distance = wasm_v128_load(motion.per_distance.data());
   SlotBits stale;
   for (uint32_t i = 0; i < count; i += 4) {
-    const v128_t entry = wasm_v128_load(entries + i);
+    const v128_t entry = wasm_v128_load(bits + i);
     const v128_t sensitivity = wasm_v128_and(wasm_u32x4_shr(entry, 16), wasm_i32x4_splat(3));
     const v128_t bytes =
         wasm_i32x4_add(wasm_i32x4_mul(sensitivity, wasm_i32x4_splat(0x04040404)), wasm_i32x4_splat(0x03020100));
     const v128_t max_distance = wasm_i32x4_shl(wasm_u32x4_shr(entry, 18), 17);
     const v128_t taken = wasm_f32x4_add(wasm_i8x16_swizzle(fixed, bytes),
                                         wasm_f32x4_mul(wasm_i8x16_swizzle(per_distance, bytes), max_distance));
-    const v128_t left = wasm_f32x4_sub(wasm_v128_load(slack + i), taken);
-    wasm_v128_store(slack + i, left);
+    const v128_t left = wasm_f32x4_sub(wasm_v128_load(slacks + i), taken);
+    wasm_v128_store(slacks + i, left);
     stale.words[i / 64] |= static_cast<uint64_t>(wasm_i32x4_bitmask(left)) << i % 64;
   }
   return stale;
@@ -88,9 +91,9 @@ inline SlotBits takeMotion(const MotionBound& motion, float* slack, const Fronti
 
 #else
 
-inline SlotBits takeMotion(const MotionBound& motion, float* slack, const FrontierEntry* entries, uint32_t count,
+inline SlotBits takeMotion(const MotionBound& motion, uint32_t* slacks, const uint32_t* bits, uint32_t count,
                            Vectors = widestVectors()) {
-  return takeMotionByScalars(motion, slack, entries, count);
+  return takeMotionByScalars(motion, slacks, bits, count);
 }
 
 #endif

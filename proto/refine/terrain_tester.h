@@ -10,7 +10,6 @@
 #pragma once
 
 #include <array>
-#include <limits>
 #include <span>
 
 #include "proto/refine/adapt_scratch.h"
@@ -76,29 +75,30 @@ class TerrainTester {
     return knowledge;
   }
 
-  // The entry of a leaf of whose error and height nothing is known, and what goes with it: the next step tests it.
+  // Planar frontiers are swept (sweep.h), others have slacks.
+  static EntryKind entryKind(const Domain& domain) { return domain.isPlanar() ? EntryKind::kSwept : EntryKind::kSlack; }
+  // The entry of a leaf of whose error and height nothing is known: the next step tests it.
   static FrontierEntry unknownLeaf(const Domain& domain, uint8_t low) {
     const FrontierEntry leaf = FrontierEntry::newLeaf(low);
-    return domain.isPlanar() ? FrontierEntry::swept(low, leaf.bound(), FrontierEntry::Stands::kInSection) : leaf;
-  }
-  static float unknownSlack(const Domain& domain) {
-    return domain.isPlanar() ? std::numeric_limits<float>::quiet_NaN() : 0;
+    if (entryKind(domain) == EntryKind::kSlack) return leaf;
+    return FrontierEntry::swept(low, leaf.bound(), FrontierEntry::Stands::kInSection, FrontierEntry::kUnknown);
   }
 
   size_t count() const { return batch_.count; }
   bool full() const { return batch_.full(); }
   void clear() { batch_.count = 0; }
-  void push(NodeId n, int level, const FrontierPage& page, FrontierEntry entry) {
-    batch_.push(n, page.first() | entry.low(), level, entry.bound(), domain_.radius(level, page.knowledge.radius));
+  // The radius of a page's nodes, metres, which they are pushed with.
+  float radius(int level, const FrontierPage& page) const { return domain_.radius(level, page.knowledge.radius); }
+  void push(NodeId n, Slot slot, int level, QuantisedError bound, float radius_m) {
+    batch_.push(n, slot, level, bound, radius_m);
   }
 
   // Tests the nodes that were pushed against the bounds of their entries.
   void test();
   // Decides for some candidates of a level, all of which were pushed, whether they are in the section from now on. A
   // level with more candidates than kSize takes several calls. The result is false if the source stopped.
-  bool decide(int level, std::span<AdaptCandidate> candidates, Frontier& frontier);
-  // Planar frontiers are swept (sweep.h), others have slacks.
-  bool isSwept() const { return domain_.isPlanar(); }
+  bool decide(int level, CandidateColumns& candidates, Frontier& frontier);
+  bool isSwept() const { return entryKind(domain_) == EntryKind::kSwept; }
   const Metric& metric() const { return metric_; }
   // These functions return what test() or decide() found for the node that was pushed as number `i`. `in_section` says
   // where the node stands from now on.
@@ -106,30 +106,29 @@ class TerrainTester {
   bool passes(size_t i) const { return batch_.passes[i] != 0; }
   FrontierEntry entry(size_t i, bool in_section) const {
     using enum FrontierEntry::Stands;
-    if (!isSwept()) return FrontierEntry::of(lowOf(batch_.slot[i]), batch_.bound[i], batch_.constraint[i]);
+    if (!isSwept())
+      return FrontierEntry::of(lowOf(batch_.slot[i]), batch_.bound[i], batch_.constraint[i], batch_.slack[i]);
     const bool is_hidden = decides_ && is_hidden_[i] != 0;
     return FrontierEntry::swept(lowOf(batch_.slot[i]), batch_.bound[i],
-                                is_hidden ? kHidden : (in_section ? kInSection : kOutside));
+                                is_hidden ? kHidden : (in_section ? kInSection : kOutside), batch_.height[i]);
   }
-  float slack(size_t i) const { return isSwept() ? Sweep::heightOf(batch_.height[i]) : batch_.slack[i]; }
 
   // Tells the source which of a level's candidates are new to the frontier and not known.
-  void tellAddable(int level, std::span<const AdaptCandidate> candidates);
+  void tellAddable(int level, std::span<const CandidatePage> candidates, const Frontier::Nodes& nodes);
 
  private:
-  void setBounds(std::span<const AdaptCandidate> candidates, const Frontier::Nodes& nodes);
-  bool resolve(size_t i, AdaptCandidate& candidate, QuantisedError finest);
-  void collectPredicates(int level, std::span<AdaptCandidate> candidates, const Frontier::Nodes& nodes);
-  Predicate predicateOf(size_t i, int level, const AdaptCandidate& c, const Frontier::Nodes& nodes) const;
-  ClientKnowledge clientKnowledgeOf(size_t i, int level, const AdaptCandidate& c, QuantisedError least,
-                                    const Frontier::Nodes& nodes) const;
-  bool askSource(int level, std::span<AdaptCandidate> candidates, Frontier& frontier);
-  bool tellAdded(int level, std::span<const AdaptCandidate> candidates);
-  void settle(std::span<const AdaptCandidate> candidates, Frontier& frontier);
+  void setBounds(const CandidateColumns& candidates, const Frontier::Nodes& nodes);
+  bool resolve(size_t i, CandidateColumns& candidates, QuantisedError finest);
+  void collectPredicates(int level, CandidateColumns& candidates, const Frontier::Nodes& nodes);
+  // Of a page, which parents of its nodes are known.
+  class KnownParents;
+  bool askSource(int level, CandidateColumns& candidates, Frontier& frontier);
+  bool tellAdded(int level, const CandidateColumns& candidates);
+  void settle(const CandidateColumns& candidates, Frontier& frontier);
   NodeId node(size_t i) const {
     return NodeId::at(static_cast<uint32_t>(batch_.x[i]), static_cast<uint32_t>(batch_.y[i]));
   }
-  void leaveOutHidden(std::span<AdaptCandidate> candidates);
+  void leaveOutHidden(CandidateColumns& candidates);
 
   const Domain& domain_;
   const Metric metric_;

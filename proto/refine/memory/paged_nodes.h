@@ -165,28 +165,39 @@ class PagedNodes {
   }
   template <class Dropped>
   void dropEmpty(const Dropped& dropped) {
-    if (empty_.empty()) return;
-    bool any = false;
-    for (uint32_t number : empty_) any = any || pages_[number].isEmpty();
+    CHECK_TRUE(fresh_.empty());
+    // Only pages that were noted are looked at, in the memory for new ones.
+    std::vector<PageName>& gone = fresh_;
+    for (uint32_t number : empty_)
+      if (pages_[number].isEmpty()) gone.push_back({pages_[number].key, number});
     empty_.clear();
-    if (!any) return;
+    if (gone.empty()) return;
+    foreland::sort(gone.begin(), gone.end(), isBefore);
+    gone.erase(std::unique(gone.begin(), gone.end(),
+                           [](const PageName& x, const PageName& y) { return x.number == y.number; }),
+               gone.end());
+    size_t next = 0;
     std::erase_if(order_, [&](const PageName& name) {
-      if (!pages_[name.number].isEmpty()) return false;
+      if (next == gone.size() || name.key != gone[next].key) return false;
+      ++next;
       dropped(std::as_const(pages_[name.number]));
       numbers_.erase(name.key);
       free_.push_back(name.number);
       return true;
     });
+    CHECK_EQ(next, gone.size());
+    gone.clear();
   }
-  // Numbers the pages anew, in order, in memory that fits them; calls moved(page) for each. All are ordered.
-  template <class Moved>
-  void compact(const Moved& moved) {
+  // Numbers the pages anew, from 1 in order, in memory that fits them: that of compactCapacity() pages. All are
+  // ordered.
+  size_t compactCapacity() const { return 1 + order_.size() + order_.size() / 8; }
+  void compact() {
     std::vector<Page> pages;
-    pages.reserve(1 + order_.size() + order_.size() / 8);
+    pages.reserve(compactCapacity());
     pages.emplace_back();
     numbers_.reset(order_.size());
     for (PageName& name : order_) {
-      moved(pages.emplace_back(pages_[name.number]));
+      pages.push_back(pages_[name.number]);
       name.number = static_cast<uint32_t>(pages.size() - 1);
       numbers_.insert(name.key, name.number);
     }

@@ -28,24 +28,27 @@ class RandomFrontier {
   const GridTopology& grid() const { return grid_; }
   Rng& rng() { return rng_; }
   Frontier frontier() const {
-    Frontier frontier;
+    Frontier frontier(EntryKind::kSwept);
     const auto pageOf = [&](Slot slot) {
       const uint32_t page = frontier.nodes().find(slot);
       return page == Frontier::Nodes::kNone ? frontier.makePage(slot, {}) : page;
     };
     for (Slot slot : in_section_) frontier.addToSection(pageOf(slot), lowOf(slot));
-    for (Slot slot : on_frontier_) frontier.put(pageOf(slot), FrontierEntry::newLeaf(lowOf(slot)), 0);
+    for (Slot slot : on_frontier_) frontier.put(pageOf(slot), FrontierEntry::newLeaf(lowOf(slot)));
     frontier.orderPages();
     return frontier;
   }
   // Some of the leaves of a level, or of the nodes that can be added.
-  std::vector<AdaptCandidate> some(const Frontier& frontier, int level, bool leaves) {
-    std::vector<AdaptCandidate> candidates;
+  std::vector<PagedBits> some(const Frontier& frontier, int level, bool leaves) {
+    std::vector<PagedBits> pages;
     const uint64_t one_in = 1 + rng_.below(6);
     for (Slot slot : on_frontier_)
-      if (grid_.level(grid_.node(slot)) == level && in_section_.contains(slot) == leaves && rng_.below(one_in) == 0)
-        candidates.push_back({.node = grid_.node(slot), .slot = slot, .page = frontier.nodes().find(slot)});
-    return candidates;
+      if (grid_.level(grid_.node(slot)) == level && in_section_.contains(slot) == leaves && rng_.below(one_in) == 0) {
+        const uint32_t number = frontier.nodes().find(slot);
+        if (pages.empty() || pages.back().number != number) pages.push_back({number, {}});
+        pages.back().nodes.set(lowOf(slot));
+      }
+    return pages;
   }
 
  private:
@@ -82,15 +85,14 @@ struct Outcome {
 };
 
 template <class Changes>
-Outcome outcomeOf(const RandomFrontier& random, int level, const std::vector<AdaptCandidate>& candidates,
-                  bool removes) {
+Outcome outcomeOf(const RandomFrontier& random, int level, const std::vector<PagedBits>& changed, bool removes) {
   Frontier frontier = random.frontier();
   const Frontier::Nodes& nodes = frontier.nodes();
   AdaptScratch scratch;
   scratch.undecided.resize(nodes.pageCount());
   scratch.has_undecided.resize(nodes.pageCount());
   Changes changes(random.grid(), frontier, scratch);
-  removes ? changes.remove(level, candidates) : changes.add(level, candidates);
+  removes ? changes.remove(level, changed) : changes.add(level, changed);
   Outcome outcome{.in_section = {}, .on_frontier = {}, .undecided = {}, .pending = scratch.pending};
   nodes.forEachInSection([&](Slot slot) { outcome.in_section.push_back(slot); });
   nodes.forEachOnFrontier([&](Slot slot) { outcome.on_frontier.push_back(slot); });
@@ -114,9 +116,9 @@ TEST(PageChanges, LeaveTheFrontierThatChangesNodeByNodeLeave) {
     RandomFrontier random(seed + round);
     for (int level = 1; level <= random.grid().maxLevel(); ++level)
       for (const bool removes : {true, false}) {
-        const auto candidates = random.some(random.frontier(), level, removes);
-        ASSERT_EQ(outcomeOf<PageChanges>(random, level, candidates, removes),
-                  outcomeOf<NodeChanges<GridTopology>>(random, level, candidates, removes))
+        const auto changed = random.some(random.frontier(), level, removes);
+        ASSERT_EQ(outcomeOf<PageChanges>(random, level, changed, removes),
+                  outcomeOf<NodeChanges<GridTopology>>(random, level, changed, removes))
             << "seed " << seed + round << ", level " << level << (removes ? ", removed" : ", added");
       }
   }

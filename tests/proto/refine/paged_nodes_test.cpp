@@ -41,7 +41,7 @@ class PagedNodesAndReference {
     const size_t before = nodes_.size();
     nodes_.dropEmpty();
     dropped_ += before - nodes_.size();
-    if (rng_.below(3) == 0) nodes_.compact([](Page&) {});
+    if (rng_.below(3) == 0) nodes_.compact();
   }
   void compare() {
     nodes_.validate();

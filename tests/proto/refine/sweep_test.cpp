@@ -45,8 +45,8 @@ class RandomPage {
         domain_(grid_, randomFrame(grid_, rng), rng.below(4) == 0 ? ErrorBound::kSphere : ErrorBound::kSpheroid),
         level_(static_cast<int>(1 + rng.below(static_cast<uint64_t>(grid_.maxLevel())))) {
     const uint32_t pages = (grid_.levelOffset(level_ + 1) - grid_.levelOffset(level_)) / kPageSlots;
-    page_.key = (grid_.levelOffset(level_) + static_cast<Slot>(rng.below(pages)) * kPageSlots) / kPageSlots;
-    page_.knowledge.radius = {static_cast<uint8_t>(rng.below(12))};
+    first_ = grid_.levelOffset(level_) + static_cast<Slot>(rng.below(pages)) * kPageSlots;
+    block_.radius = {static_cast<uint8_t>(rng.below(12))};
     lookAtIt(rng);
     addEntries(rng);
   }
@@ -57,21 +57,27 @@ class RandomPage {
   void judge(double tolerance, Answers& answers) const {
     const Metric metric = domain_.metric(view_);
     const Sweep::Found found = sweep(metric, HiddenEntries::kLeave, tolerance, widestVectors());
-    for (uint32_t i = 0; i < page_.entries; ++i) {
+    for (uint32_t i = 0; i < block_.count; ++i) {
       const auto rank = static_cast<uint8_t>(i);
-      const bool in_section = (entries_[i].bits >> 16 & 1) != 0;
-      const bool changed = passes(metric, entries_[i].low(), heights_[i], entries_[i].bound()) != in_section;
+      const FrontierEntry entry{bits_[i], upper_[i]};
+      const bool in_section = (entry.bits >> 16 & 1) != 0;
+      const bool changed = passes(metric, entry.low(), heights_[i], entry.bound()) != in_section;
       ++answers.tests;
       answers.unsure += found.unsure.has(rank);
       answers.wrong += !found.unsure.has(rank) && found.changed.has(rank) != changed;
     }
   }
 
-  // Whether all vectors that this processor has answer as one entry after another does, with some entries hidden.
+  // Whether all vectors that this processor has answer as one entry after another does, with some entries hidden or
+  // without a height, and others behind the last.
   void compareVectors(Rng& rng) {
-    for (uint32_t i = 0; i < page_.entries; ++i)
-      if (rng.below(4) == 0)
-        entries_[i] = FrontierEntry::swept(entries_[i].low(), entries_[i].bound(), FrontierEntry::Stands::kHidden);
+    for (uint32_t i = 0; i < block_.count; ++i) {
+      const FrontierEntry entry{bits_[i], upper_[i]};
+      if (const uint64_t kind = rng.below(9); kind < 3)
+        set(i, FrontierEntry::swept(entry.low(), entry.bound(), static_cast<FrontierEntry::Stands>(kind),
+                                    FrontierEntry::kUnknown));
+    }
+    block_.count = static_cast<uint16_t>(rng.below(block_.count + 1u));
     const Metric metric = domain_.metric(view_);
     for (const auto hidden : {HiddenEntries::kLeave, HiddenEntries::kTest})
       // With no tolerance more answers hang on the last bits.
@@ -88,12 +94,12 @@ class RandomPage {
 
  private:
   Sweep::Found sweep(const Metric& metric, HiddenEntries hidden, double tolerance, Vectors vectors) const {
-    return Sweep(domain_, metric, hidden, tolerance).test(level_, page_, floats_.data(), entries_.data(), vectors);
+    return Sweep(domain_, metric, hidden, tolerance).test(level_, first_, block_, bits_.data(), upper_.data(), vectors);
   }
   void lookAtIt(Rng& rng) {
-    const NodeId n = grid_.pageNodes(level_, page_.first()).at(static_cast<uint32_t>(rng.below(kPageSlots)));
+    const NodeId n = grid_.pageNodes(level_, first_).at(static_cast<uint32_t>(rng.below(kPageSlots)));
     const Frame& frame = domain_.frame.transform().frame();
-    highest_ = static_cast<int32_t>(std::min(8e6, chosenByPower(rng, 1, 1e4) / frame.height_quantum_m));
+    highest_ = static_cast<int32_t>(std::min(4e6, chosenByPower(rng, 1, 1e4) / frame.height_quantum_m));
     const glm::dvec2 ground = (n.x() - frame.anchor.x) * frame.axis_x_m + (n.y() - frame.anchor.y) * frame.axis_y_m;
     const double away_m = chosenByPower(rng, 0.01, 1e5);
     const auto away = [&] { return rng.uniform(-away_m, away_m); };
@@ -132,12 +138,15 @@ class RandomPage {
           rng.below(30) == 0 ? static_cast<int64_t>(rng.below(256)) : bound_ + static_cast<int64_t>(rng.below(13)) - 6,
           0, 255))};
       const int32_t height = heightAtTheEdge(metric, static_cast<uint8_t>(low), bound, rng);
-      heights_[page_.entries] = height;
-      floats_[page_.entries] = Sweep::heightOf(height);
-      entries_[page_.entries] =
-          FrontierEntry::swept(static_cast<uint8_t>(low), bound, static_cast<FrontierEntry::Stands>(rng.below(2)));
-      ++page_.entries;
+      const auto entry = FrontierEntry::swept(static_cast<uint8_t>(low), bound,
+                                              static_cast<FrontierEntry::Stands>(rng.below(2)), height);
+      heights_[block_.count] = height;
+      set(block_.count++, entry);
     }
+  }
+  void set(uint32_t rank, FrontierEntry entry) {
+    bits_[rank] = entry.bits;
+    upper_[rank] = static_cast<uint8_t>(entry.rest);
   }
   // Of two heights with different results, by bisection; any other height where all that are tried have the same.
   int32_t heightAtTheEdge(const Metric& metric, uint8_t low, QuantisedError bound, Rng& rng) const {
@@ -153,22 +162,23 @@ class RandomPage {
     return rng.below(2) == 0 ? a : b;
   }
   bool passes(const Metric& metric, uint8_t low, int32_t height, QuantisedError bound) const {
-    const NodeId n = grid_.pageNodes(level_, page_.first()).at(low);
+    const NodeId n = grid_.pageNodes(level_, first_).at(low);
     return metric.passes(
         PlanarPositions(domain_, metric)(static_cast<int32_t>(n.x()), static_cast<int32_t>(n.y()), height),
-        domain_.radius(level_, page_.knowledge.radius), bound.metres());
+        domain_.radius(level_, block_.radius), bound.metres());
   }
 
   GridTopology grid_;
   TerrainDomain domain_;
   int level_;
-  FrontierPage page_;
+  Slot first_;
+  EntryBlock block_;
   View view_;
   int32_t highest_ = 0;  // quanta
   int bound_ = 0;
   std::array<int32_t, kPageSlots> heights_{};
-  std::array<float, kPageSlots> floats_{};
-  std::array<FrontierEntry, kPageSlots> entries_{};
+  std::array<uint32_t, kPageSlots> bits_{};  // of entries, and the upper bits of their heights
+  std::array<uint8_t, kPageSlots> upper_{};
 };
 
 RandomPage::Answers sweepRandomPages(uint64_t seed, uint64_t tests) {
@@ -214,39 +224,37 @@ TEST(Sweep, IsWrongWithATenthOfItsTolerance) {
 }
 
 // One page of a flat scene, seen from above, with the entries given.
-Sweep::Found sweepEntries(HiddenEntries hidden, std::initializer_list<std::pair<FrontierEntry, float>> given) {
+Sweep::Found sweepEntries(HiddenEntries hidden, std::initializer_list<FrontierEntry> given) {
   const GridTopology grid =
       GridTopology::create({.roots_x = 1, .roots_y = 1, .root_log2 = 5, .samples_x = 33, .samples_y = 33}).value();
   const TerrainDomain domain(grid, Frame{});
   View view;
   view.pose = {{16, 16, 100}, lookAlong({0, 0, -1}, {0, 1, 0})};
-  FrontierPage page;
-  page.key = grid.levelOffset(3) / kPageSlots;
-  std::array<FrontierEntry, EntryPool::kVector> entries{};
-  std::array<float, EntryPool::kVector> heights{};
-  for (const auto& [entry, height] : given) {
-    heights[page.entries] = height;
-    entries[page.entries++] = entry;
+  EntryBlock block;
+  std::array<uint32_t, EntryPool::kVector> bits{};
+  std::array<uint8_t, EntryPool::kVector> upper{};
+  for (const FrontierEntry& entry : given) {
+    bits[block.count] = entry.bits;
+    upper[block.count++] = static_cast<uint8_t>(entry.rest);
   }
-  return Sweep(domain, domain.metric(view), hidden).test(3, page, heights.data(), entries.data());
+  return Sweep(domain, domain.metric(view), hidden).test(3, grid.levelOffset(3), block, bits.data(), upper.data());
 }
 constexpr QuantisedError kLarge{255}, kSmall{1};
 using Stands = FrontierEntry::Stands;
 
 TEST(Sweep, FindsWhatHasChanged) {
-  const Sweep::Found found =
-      sweepEntries(HiddenEntries::kLeave, {{FrontierEntry::swept(1, kLarge, Stands::kOutside), 0},
-                                           {FrontierEntry::swept(2, kSmall, Stands::kOutside), 0},
-                                           {FrontierEntry::swept(3, kLarge, Stands::kInSection), 0},
-                                           {FrontierEntry::swept(5, kSmall, Stands::kInSection), 0}});
+  const Sweep::Found found = sweepEntries(
+      HiddenEntries::kLeave,
+      {FrontierEntry::swept(1, kLarge, Stands::kOutside, 0), FrontierEntry::swept(2, kSmall, Stands::kOutside, 0),
+       FrontierEntry::swept(3, kLarge, Stands::kInSection, 0), FrontierEntry::swept(5, kSmall, Stands::kInSection, 0)});
   EXPECT_EQ(found.changed, (SlotBits{{0b1001}}));
   EXPECT_FALSE(found.unsure.any());
 }
 
 TEST(Sweep, LeavesHiddenEntriesUnlessTheyAreToBeTested) {
   const auto of = [](HiddenEntries hidden) {
-    return sweepEntries(hidden, {{FrontierEntry::swept(1, kLarge, Stands::kHidden), 0},
-                                 {FrontierEntry::swept(2, kSmall, Stands::kHidden), 0}});
+    return sweepEntries(hidden, {FrontierEntry::swept(1, kLarge, Stands::kHidden, 0),
+                                 FrontierEntry::swept(2, kSmall, Stands::kHidden, 0)});
   };
   EXPECT_FALSE(of(HiddenEntries::kLeave).changed.any() || of(HiddenEntries::kLeave).unsure.any());
   EXPECT_FALSE(of(HiddenEntries::kTest).changed.any());
@@ -254,13 +262,12 @@ TEST(Sweep, LeavesHiddenEntriesUnlessTheyAreToBeTested) {
 }
 
 TEST(Sweep, IsUnsureWhereItKnowsNoHeight) {
-  for (const int32_t quanta : {(1 << 23) + 1, -(1 << 23) - 1}) {
-    const Sweep::Found found = sweepEntries(
-        HiddenEntries::kLeave, {{FrontierEntry::swept(1, kLarge, Stands::kOutside), Sweep::heightOf(quanta)}});
-    EXPECT_FALSE(found.changed.any());
-    EXPECT_EQ(found.unsure, (SlotBits{{1}}));
-  }
-  EXPECT_EQ(Sweep::heightOf(1 << 23), 0x1p23f);
+  for (const int32_t quanta : {FrontierEntry::kUnknown, kMaxHeight + 1, -kMaxHeight})
+    for (const Stands stands : {Stands::kOutside, Stands::kInSection}) {
+      const Sweep::Found found = sweepEntries(HiddenEntries::kLeave, {FrontierEntry::swept(1, kLarge, stands, quanta)});
+      EXPECT_FALSE(found.changed.any());
+      EXPECT_EQ(found.unsure, (SlotBits{{1}}));
+    }
 }
 
 }  // namespace

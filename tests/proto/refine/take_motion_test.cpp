@@ -12,10 +12,9 @@
 namespace foreland::proto {
 namespace {
 
-// A page's entries and slacks, as EntryPool keeps them: in whole vectors, endless behind the last entry.
+// A page's entries, as EntryPool keeps them: in whole vectors.
 struct Entries {
-  std::vector<float> slack;
-  std::vector<FrontierEntry> entries;
+  std::vector<uint32_t> slacks, bits;
   uint32_t count;
 
   Entries(Rng& rng, uint32_t n) : count(n) {
@@ -23,10 +22,12 @@ struct Entries {
     for (uint32_t i = 0; i < held; ++i) {
       const auto distance = static_cast<float>(std::exp2(rng.uniform(-4, 28)));
       const auto constraint = MotionConstraint::of(static_cast<uint32_t>(rng.below(4)), distance);
-      entries.push_back(FrontierEntry::of(static_cast<uint8_t>(rng.next()), QuantisedError{99}, constraint));
-      slack.push_back(i < n ? static_cast<float>(std::exp2(rng.uniform(-10, 6))) : EntryPool::kEndless);
+      const float slack = i < n ? static_cast<float>(std::exp2(rng.uniform(-10, 6))) : EntryPool::kEndless;
+      const auto entry = FrontierEntry::of(static_cast<uint8_t>(rng.next()), QuantisedError{99}, constraint, slack);
+      bits.push_back(entry.bits);
+      slacks.push_back(entry.rest);
     }
-    if (n > 0) slack[rng.below(n)] = 0;
+    if (n > 0) slacks[rng.below(n)] = 0;
   }
 };
 
@@ -38,15 +39,14 @@ TEST(TakeMotion, GivesTheSameBitsByVectors) {
     MotionBound motion;
     for (size_t g = 0; g < MotionBound::kSensitivities; ++g) motion.set(g, rng.uniform(0, 2), rng.uniform(0, 1e-3));
     Entries some(rng, static_cast<uint32_t>(rng.below(257)));
-    std::vector<float> expected_slack = some.slack;
-    const SlotBits expected = takeMotionByScalars(motion, expected_slack.data(), some.entries.data(), some.count);
+    std::vector<uint32_t> expected_slacks = some.slacks;
+    const SlotBits expected = takeMotionByScalars(motion, expected_slacks.data(), some.bits.data(), some.count);
     for (const Vectors vectors : kAllVectors) {
       if (vectors > widestVectors()) break;
-      std::vector<float> slack = some.slack;
-      const SlotBits stale = takeMotion(motion, slack.data(), some.entries.data(), some.count, vectors);
+      std::vector<uint32_t> slacks = some.slacks;
+      const SlotBits stale = takeMotion(motion, slacks.data(), some.bits.data(), some.count, vectors);
       ASSERT_EQ(stale, expected) << "seed " << seed;
-      for (uint32_t i = 0; i < slack.size(); ++i)
-        ASSERT_EQ(std::bit_cast<uint32_t>(expected_slack[i]), std::bit_cast<uint32_t>(slack[i])) << "seed " << seed;
+      ASSERT_EQ(slacks, expected_slacks) << "seed " << seed;
     }
     any_stale = any_stale || expected.any();
     any_kept = any_kept || expected.count() < some.count;
