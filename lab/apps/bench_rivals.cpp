@@ -41,6 +41,7 @@ Result<nlohmann::ordered_json> planOf(const RivalsArguments& args, const Planned
   if (!plan) return plan.error();
   std::error_code ignored;
   plan->update({{"programs", fs::read_symlink("/proc/self/exe", ignored).parent_path().string()},
+                {"keyframe_ms", args.flight.keyframe_ms},
                 {"link", linkOf(args.link)},
                 {"rivals", args.rivals},
                 {"qualities", args.qualities},
@@ -61,10 +62,9 @@ CLI::App* addRivals(CLI::App& app, RivalsArguments& args) {
       ->type_name(number("HZ"))
       ->check(within(1.0, 60.0))
       ->capture_default_str();
-  sub->add_option("--rival", args.rivals, "that are flown beside us")
+  sub->add_option("--rival", args.rivals, "that are flown beside us; default: all")
       ->type_name(text("NAME"))
-      ->check(oneOf({"cesium", "maplibre", "3d-tiles"}))
-      ->capture_default_str();
+      ->check(oneOf({"cesium", "maplibre", "3d-tiles"}));
   sub->add_option("--quality", args.qualities, "of the rivals, in pixels of their own measure; default: some for each")
       ->type_name(number("PX"))
       ->check(within(0.05, 1000.0));

@@ -25,7 +25,7 @@ struct RivalsFlight {
 std::filesystem::path rivalsSources();
 
 // The ground goes to `folder` as heights.f64: float64 metres, row by row from the south, native byte order. The plan
-// that is returned names it, and is to be told to measure.mjs with what else it asks for (lab/rivals/README.md). An
+// that is returned names it, and is to be told to measure.mjs with what else it asks for (lab/README.md). An
 // Error if the scene has no longitude and latitude, which tiles are cut by, or moves or has objects, which rivals'
 // tiles have not.
 Result<nlohmann::ordered_json> writeFlightPlan(const RivalsFlight& flight, const std::filesystem::path& folder);

@@ -66,7 +66,8 @@ try {
     const context = await browser.newContext({ viewport: { width: size.width, height: size.height }, ignoreHTTPSErrors: true });
     try {
       const flown = await flyOne(browser, { page: await context.newPage(), pages_url, plan, points }, flight);
-      process.stderr.write(`${flown.rival} ${flown.quality}: ${flown.bytes} bytes, ${flown.requests} requests, rms ${flown.rms_px?.toFixed(3)} px, complete ${flown.complete_ms?.toFixed(0)} ms\n`);
+      const { complaints, ...figures } = flown;
+      process.stderr.write(`${JSON.stringify(figures)}\n`);
       return flown;
     } finally {
       await context.close();

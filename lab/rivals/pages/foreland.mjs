@@ -16,7 +16,7 @@ export async function open({ plan, ground, lens, size, quality, server, predicto
   let terrain = null, drawn = null, frame = null, is_announced = false;
   return {
     async begin() {
-      terrain = await Terrain.open(server, { tolerancePx: tolerance_px, predictor, wasm, relief: false, imagery: false, lens: { fovY: lens.fov_rad, ...size } });
+      terrain = await Terrain.open(server, { tolerancePx: tolerance_px, predictor, wasm, keyframeMs: plan.keyframe_ms, relief: false, imagery: false, lens: { fovY: lens.fov_rad, ...size } });
       const attach = terrain.attach.bind(terrain);
       // What is drawn is kept, to be judged afterwards.
       terrain.attach = (sink) => attach(new Proxy(sink, { get: (to, name) => (name === 'add' ? (update) => (updates.push(update), to.add(update)) : typeof to[name] === 'function' ? to[name].bind(to) : to[name]) }));
