@@ -21,7 +21,7 @@ export function cameraOf({ eye, orientation }, { fov_rad, width_px, height_px })
 export const isInPicture = (camera, at) => at !== null && Math.abs(at[0]) <= 0.5 * camera.width_px && Math.abs(at[1]) <= 0.5 * camera.height_px;
 
 // Samples of the ground where the rays of a grid of pixels meet it first. Each is a place (lon, lat) and where it is in the scene's axes.
-export function pointsSeen(camera, ground, earth, { columns = 40, rows = 22, far_m = 150e3 } = {}) {
+export function pointsSeen(camera, ground, earth, { columns = 32, rows = 18, far_m = 150e3 } = {}) {
   const points = [];
   for (let j = 0; j < rows; ++j)
     for (let i = 0; i < columns; ++i) {
@@ -49,9 +49,15 @@ function firstHit(camera, direction, ground, earth, far_m) {
 // A mesh to be asked where it is drawn at a place. `places` has longitude and latitude of each vertex, `scene` its position.
 export function indexMesh({ places, scene, indices }) {
   let [west, south, east, north] = [Infinity, Infinity, -Infinity, -Infinity];
-  for (const v of indices) { // vertices that no triangle has may be anywhere
-    west = Math.min(west, places[2 * v]), east = Math.max(east, places[2 * v]);
-    south = Math.min(south, places[2 * v + 1]), north = Math.max(north, places[2 * v + 1]);
+  const hasArea = (t) => indices[t] !== indices[t + 1] && indices[t + 1] !== indices[t + 2]; // buffers that change in place hold others
+  let triangles = 0;
+  for (let t = 0; t < indices.length; t += 3) {
+    if (!hasArea(t)) continue;
+    ++triangles;
+    for (let k = 2 * indices[t], corner = 0; corner < 3; k = 2 * indices[t + ++corner]) {
+      west = Math.min(west, places[k]), east = Math.max(east, places[k]);
+      south = Math.min(south, places[k + 1]), north = Math.max(north, places[k + 1]);
+    }
   }
   const side = Math.max(1, Math.min(1024, Math.ceil(Math.sqrt(indices.length / 6))));
   const cellX = (lon) => Math.min(side - 1, Math.max(0, Math.floor(((lon - west) / (east - west)) * side)));
@@ -62,8 +68,6 @@ export function indexMesh({ places, scene, indices }) {
   for (let cell = 0; cell < side * side; ++cell) ends[cell + 1] += ends[cell];
   const filled = ends.slice(), held = new Uint32Array(ends[side * side]);
   eachCell((cell, t) => void (held[filled[cell]++] = t));
-  let triangles = 0; // that have an area: buffers that change in place hold others
-  for (let t = 0; t < indices.length; t += 3) triangles += indices[t] !== indices[t + 1] && indices[t + 1] !== indices[t + 2];
   const slack = 1e-9 * Math.max(east - west, north - south);
   return {
     triangles,
@@ -81,8 +85,8 @@ export function indexMesh({ places, scene, indices }) {
 
   function eachCell(visit) {
     for (let t = 0; t < indices.length; t += 3) {
+      if (!hasArea(t)) continue;
       const [a, b, c] = [2 * indices[t], 2 * indices[t + 1], 2 * indices[t + 2]];
-      if (a === b || b === c) continue;
       const x0 = cellX(Math.min(places[a], places[b], places[c])), x1 = cellX(Math.max(places[a], places[b], places[c]));
       const y0 = cellY(Math.min(places[a + 1], places[b + 1], places[c + 1])), y1 = cellY(Math.max(places[a + 1], places[b + 1], places[c + 1]));
       for (let y = y0; y <= y1; ++y) for (let x = x0; x <= x1; ++x) visit(y * side + x, t);

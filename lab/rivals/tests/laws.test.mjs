@@ -111,12 +111,20 @@ test('the judge finds no error in the truth', () => {
   const mesh = meshOfGround(0);
   for (const pitch of [0.2, 0.5, 0.9]) {
     const camera = cameraOf(pose(pitch), lens), points = pointsSeen(camera, ground, earth);
-    assert.ok(points.length > 200, `${points.length} points at a pitch of ${pitch}`);
+    assert.ok(points.length > 100, `${points.length} points at a pitch of ${pitch}`);
     const error = compare(camera, points, (point) => point.scene, (point) => drawnBy([mesh], point));
     assert.ok(error.largest < 1e-3, `${error.largest} px`);
     assert.equal(error.uncovered, 0);
     assert.equal(error.seen, points.length);
   }
+});
+
+test('corners of triangles without area may be anywhere', () => {
+  const square = { places: Float64Array.of(0, 0, 1, 0, 0, 1, 1, 1, 1e9, NaN), scene: Float64Array.of(0, 0, 5, 1, 0, 5, 0, 1, 5, 1, 1, 5, 0, 0, 0) };
+  const mesh = indexMesh({ ...square, indices: Uint32Array.of(4, 4, 4, 0, 1, 2, 2, 1, 3) });
+  assert.equal(mesh.triangles, 2);
+  for (const [x, y] of [[0.2, 0.3], [0.9, 0.7], [0, 0], [1, 1]]) assert.ok(mesh.drawnAt(x, y).every((v, i) => Math.abs(v - [x, y, 5][i]) < 1e-9));
+  assert.equal(mesh.drawnAt(1.5, 0.5), null);
 });
 
 test('the judge sees how far ground is lifted, and where there is none', () => {
