@@ -13,6 +13,10 @@ namespace fs = std::filesystem;
 
 Status checkInstalled(const fs::path& sources) {
   std::error_code ignored;
+  if (!fs::exists(sources / "measure.mjs", ignored))
+    return Error{ErrorCode::kNotFound, sources.string() +
+                                           " has no measure.mjs; rivals are flown from the sources: name their "
+                                           "lab/rivals by --sources"};
   if (fs::exists(sources / "node_modules/cesium/package.json", ignored)) return {};
   return Error{ErrorCode::kNotFound, "the rivals are not installed; run: npm ci --prefix " + sources.string()};
 }

@@ -13,7 +13,7 @@ import { earthOf } from './earth.mjs';
 import { readGround } from './ground.mjs';
 import { cameraOf, pointsSeen } from './judge.mjs';
 import { startLink, startNginx, startServer } from './programs.mjs';
-import { kRivals, overForeland } from './rivals.mjs';
+import { coarserTolerance, kRivals, overForeland } from './rivals.mjs';
 import { rgbSource } from './terrain_rgb.mjs';
 import { serveFiles, serveTiles } from './serve_tiles.mjs';
 
@@ -74,7 +74,8 @@ try {
     }
   };
   const server = keep(await startServer(plan.programs, plan.scene)), our_link = keep(await startLink(plan.programs, server.port, plan.link));
-  const ours = await fly({ name: 'foreland', page: 'foreland', quality: plan.tau_px, port: our_link.port, options: { server: `ws://127.0.0.1:${our_link.port}/`, predictor: plan.predictor } });
+  const flyOurs = (quality) => fly({ name: 'foreland', page: 'foreland', quality, port: our_link.port, options: { server: `ws://127.0.0.1:${our_link.port}/`, predictor: plan.predictor } });
+  const ours = [await flyOurs(plan.tau_px)];
   const tiles = new Map();
   for (const cut of new Set(plan.rivals.map((name) => kRivals[name].cut))) for (const [path, tile] of await cut(ground, earth)) tiles.set(path, tile);
   const is_http2 = plan.protocol === 'http2', tile_server = keep(await serveTiles(tiles));
@@ -85,6 +86,8 @@ try {
     const { page, qualities } = kRivals[name], flights = [];
     for (const quality of plan.qualities.length > 0 ? plan.qualities : qualities)
       flights.push(await fly({ name, page, quality, port: link.port, options: { tiles: tiles_url } }));
+    const coarser = coarserTolerance(flights, ours);
+    if (coarser !== null && overForeland(flights, ours).bytes_over_foreland === null) ours.push(await flyOurs(coarser));
     rivals.push({ rival: name, ...overForeland(flights, ours), flights });
   }
   console.log(JSON.stringify({ predictor: plan.predictor, protocol: plan.protocol, poses_per_s: plan.poses_per_s, canvas: `${size.width}x${size.height}`, foreland: ours, rivals }, null, 2));

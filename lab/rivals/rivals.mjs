@@ -8,17 +8,31 @@ export const kRivals = {
   '3d-tiles': { page: 'tiles3d', cut: cutQuantizedMesh, qualities: [1, 2, 4, 8] },
 };
 
-// Bytes of a rival over ours at our root mean square error: between the two qualities whose errors are about it, along a line of
-// the logarithms. Null where none is; then `nearest_rms_px` says how near the best quality came, at `nearest_over_foreland` times our bytes.
-export function overForeland(flights, ours) {
-  const sorted = flights.filter(({ rms_px }) => rms_px > 0).sort((a, b) => a.rms_px - b.rms_px);
-  const nearest = sorted.reduce((best, one) => (best && Math.abs(Math.log(best.rms_px / ours.rms_px)) <= Math.abs(Math.log(one.rms_px / ours.rms_px)) ? best : one), null);
-  const said = { bytes_over_foreland: null, nearest_rms_px: nearest?.rms_px ?? null, nearest_over_foreland: nearest ? nearest.bytes / ours.bytes : null };
+// Bytes at a root mean square error: between the two flights whose errors are about it, along a line of the logarithms. Null where there
+// are no such two.
+export function bytesAt(flights, rms_px) {
+  const sorted = flights.filter((flight) => flight.rms_px > 0).sort((a, b) => a.rms_px - b.rms_px);
   for (let i = 1; i < sorted.length; ++i) {
     const [fine, coarse] = [sorted[i - 1], sorted[i]];
-    if (fine.rms_px > ours.rms_px || coarse.rms_px < ours.rms_px) continue;
-    const share = coarse.rms_px === fine.rms_px ? 0 : Math.log(ours.rms_px / fine.rms_px) / Math.log(coarse.rms_px / fine.rms_px);
-    return { ...said, bytes_over_foreland: Math.exp(Math.log(fine.bytes) * (1 - share) + Math.log(coarse.bytes) * share) / ours.bytes };
+    if (fine.rms_px > rms_px || coarse.rms_px < rms_px) continue;
+    const share = coarse.rms_px === fine.rms_px ? 0 : Math.log(rms_px / fine.rms_px) / Math.log(coarse.rms_px / fine.rms_px);
+    return Math.exp(Math.log(fine.bytes) * (1 - share) + Math.log(coarse.bytes) * share);
   }
-  return said;
+  return null;
+}
+
+const best = (flights) => flights.reduce((least, flight) => (least && least.rms_px <= flight.rms_px ? least : flight), null);
+
+// The tolerance at which our error ought to be above the least that a rival has, where that is above ours; otherwise null.
+export function coarserTolerance(flights, ours) {
+  const [theirs, own] = [best(flights).rms_px, best(ours)];
+  return theirs > own.rms_px ? (1.5 * own.quality * theirs) / own.rms_px : null;
+}
+
+// Bytes of a rival over ours at equal error: at our least one, where a rival comes down to it; otherwise at the rival's least, with us at
+// tolerances so much coarser. Null where neither has flights about the other's.
+export function overForeland(flights, ours) {
+  const [theirs, own] = [best(flights), best(ours)], at_ours = bytesAt(flights, own.rms_px), at_theirs = bytesAt(ours, theirs.rms_px);
+  if (at_ours !== null) return { bytes_over_foreland: at_ours / own.bytes, at_rms_px: own.rms_px };
+  return at_theirs === null ? { bytes_over_foreland: null, at_rms_px: null } : { bytes_over_foreland: theirs.bytes / at_theirs, at_rms_px: theirs.rms_px };
 }

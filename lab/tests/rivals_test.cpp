@@ -70,13 +70,19 @@ TEST(Rivals, KeepTheLawsOfTilesAndOfTheirJudge) {
   EXPECT_TRUE(said.ok()) << said.error().message;
 }
 
-TEST(Rivals, SaysHowTheyAreInstalled) {
-  const test::TemporaryFolder folder;
+// What the program says where rivals are to be found in `sources`.
+std::string refusalFor(const fs::path& sources) {
   const auto said = runProgram(
       {"/bin/sh", "-c",
-       FORELAND_BIN_DIR "/foreland-bench rivals none.fls --sources " + folder.path().string() + " 2>&1; test $? = 2"});
-  ASSERT_TRUE(said.ok());
-  EXPECT_NE(said->find("npm ci --prefix"), std::string::npos) << *said;
+       FORELAND_BIN_DIR "/foreland-bench rivals none.fls --sources " + sources.string() + " 2>&1; test $? = 2"});
+  return said.ok() ? *said : said.error().message;
+}
+
+TEST(Rivals, SayHowTheyAreInstalled) {
+  const test::TemporaryFolder folder;
+  EXPECT_NE(refusalFor(folder.path()).find("lab/rivals by --sources"), std::string::npos);
+  std::ofstream(folder / "measure.mjs") << "";
+  EXPECT_NE(refusalFor(folder.path()).find("npm ci --prefix"), std::string::npos);
 }
 
 }  // namespace

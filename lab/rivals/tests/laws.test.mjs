@@ -9,7 +9,7 @@ import { axesOf, earthOf } from '../earth.mjs';
 import { groundOf } from '../ground.mjs';
 import { cameraOf, compare, drawnBy, indexMesh, pointsSeen } from '../judge.mjs';
 import { finestLevel, heightError, kCells, layerJson, tileBounds, tilesOver } from '../quantized_mesh.mjs';
-import { overForeland } from '../rivals.mjs';
+import { coarserTolerance, overForeland } from '../rivals.mjs';
 import { decodeTexel, finestRgbLevel, kStep_m, kTexels, losslessWebp, rgbTexels, rgbTilesOver } from '../terrain_rgb.mjs';
 
 const { default: decode } = createRequire(import.meta.url)('@here/quantized-mesh-decoder');
@@ -142,10 +142,18 @@ test('the judge sees how far ground is lifted, and where there is none', () => {
   assert.equal(compare(camera, points, (point) => point.scene, () => null).uncovered, points.length);
 });
 
-test('bytes at our error lie on the line of the logarithms between two qualities, and are not guessed beyond them', () => {
-  const flights = [4, 1, 2, 8].map((quality) => ({ quality, rms_px: 0.3 * quality, bytes: 1e6 * quality ** -1.5 }));
-  const { bytes_over_foreland } = overForeland(flights, { rms_px: 0.9, bytes: 1e5 });
-  assert.ok(Math.abs(bytes_over_foreland - 10 * 3 ** -1.5) < 1e-9);
-  assert.equal(overForeland(flights, { rms_px: 0.1, bytes: 1e5 }).bytes_over_foreland, null);
-  assert.equal(overForeland(flights, { rms_px: 0.1, bytes: 1e5 }).nearest_rms_px, 0.3);
+test('bytes at equal error lie on the line of the logarithms between two flights, and are not guessed beyond them', () => {
+  const flight = (quality) => ({ quality, rms_px: 0.3 * quality, bytes: 1e6 * quality ** -1.5 }), theirs = [4, 1, 2, 8].map(flight);
+  const finer = overForeland(theirs, [{ quality: 1, rms_px: 0.9, bytes: 1e5 }]);
+  assert.ok(Math.abs(finer.bytes_over_foreland - 10 * 3 ** -1.5) < 1e-9);
+  assert.equal(finer.at_rms_px, 0.9);
+  const ours = [{ quality: 1, rms_px: 0.1, bytes: 1e5 }];
+  assert.equal(overForeland(theirs, ours).bytes_over_foreland, null, 'the rival does not come down to our error');
+  const tolerance = coarserTolerance(theirs, ours);
+  assert.ok(Math.abs(tolerance - 4.5) < 1e-9);
+  ours.push({ quality: tolerance, rms_px: 0.1 * tolerance, bytes: 1e5 * tolerance ** -1.5 }); // so we come up to the rival's
+  const coarser = overForeland(theirs, ours);
+  assert.ok(Math.abs(coarser.bytes_over_foreland - 10 * 3 ** 1.5) < 1e-9);
+  assert.ok(Math.abs(coarser.at_rms_px - 0.3) < 1e-12);
+  assert.equal(coarserTolerance(theirs, [{ quality: 1, rms_px: 0.5, bytes: 1 }]), null);
 });
