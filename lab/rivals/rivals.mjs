@@ -23,10 +23,10 @@ export function bytesAt(flights, rms_px) {
 
 const best = (flights) => flights.reduce((least, flight) => (least && least.rms_px <= flight.rms_px ? least : flight), null);
 
-// The tolerance at which our error ought to be above the least that a rival has, where that is above ours; otherwise null.
+// The tolerance at which our error ought to be above the least that a rival has, where none of ours is; otherwise null.
 export function coarserTolerance(flights, ours) {
-  const [theirs, own] = [best(flights).rms_px, best(ours)];
-  return theirs > own.rms_px ? (1.5 * own.quality * theirs) / own.rms_px : null;
+  const theirs = best(flights).rms_px, coarsest = ours.reduce((most, flight) => (flight.rms_px > most.rms_px ? flight : most));
+  return theirs > coarsest.rms_px ? (1.5 * coarsest.quality * theirs) / coarsest.rms_px : null;
 }
 
 // Bytes of a rival over ours at equal error: at our least one, where a rival comes down to it; otherwise at the rival's least, with us at

@@ -152,6 +152,7 @@ test('bytes at equal error lie on the line of the logarithms between two flights
   const tolerance = coarserTolerance(theirs, ours);
   assert.ok(Math.abs(tolerance - 4.5) < 1e-9);
   ours.push({ quality: tolerance, rms_px: 0.1 * tolerance, bytes: 1e5 * tolerance ** -1.5 }); // so we come up to the rival's
+  assert.equal(coarserTolerance(theirs, ours), null, 'that is enough');
   const coarser = overForeland(theirs, ours);
   assert.ok(Math.abs(coarser.bytes_over_foreland - 10 * 3 ** 1.5) < 1e-9);
   assert.ok(Math.abs(coarser.at_rms_px - 0.3) < 1e-12);
