@@ -99,7 +99,8 @@ for room in ("lab/animated", "lab/drape", "lab/latency", "lab/load", "lab/tiles"
     SEES[room] = [*SEES["lab"], "lab"]
 SEES["lab/load"] = [*SEES["lab/load"], "lab/proxy"]
 SEES["lab/report"] = ["base", "lab/programs", "lab"]  # knows the tables alone
-LAB_ROOMS += ["lab/proxy", "lab/animated", "lab/drape", "lab/latency", "lab/load", "lab/tiles", "lab/report"]
+SEES["lab/rivals"] = [*PROTO, "terrain", *STORE, "lab/programs"]  # the ground and a path, for other makers' viewers
+LAB_ROOMS += ["lab/proxy", "lab/animated", "lab/drape", "lab/latency", "lab/load", "lab/tiles", "lab/report", "lab/rivals"]
 SEES["lab/apps"] = [*PRODUCT, "sim", "apps", *LAB_ROOMS]
 SEES["tests/support"] = [*PRODUCT, "sim"]
 SEES["tests"] = [*PRODUCT, "sim", "apps", "tests/support"]
