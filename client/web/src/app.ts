@@ -6,9 +6,11 @@ import { kIsPhone, kLimits, lensOf, optionsOf } from './app/asked';
 import { CardLoss } from './app/card_loss';
 import { Steering } from './app/steering';
 import { Picture, type Shot } from './draw/picture';
-import { ColourMaps, takeFiles } from './ui/colour_maps';
+import { kOverlayFiles } from './overlay/read_overlay';
+import { ColourMaps, kColourFiles } from './ui/colour_maps';
 import { Compass } from './ui/compass';
 import { Controls } from './ui/controls';
+import { DroppedFiles } from './ui/dropped_files';
 import { wordsOf } from './ui/failure_words';
 import { boundTo } from './ui/form';
 import { Guard } from './ui/guard';
@@ -16,6 +18,7 @@ import { Hint } from './ui/hint';
 import { KeptAddress, queryText } from './ui/kept_address';
 import { MeasureControl } from './ui/measure_control';
 import { showNotice, type Notice } from './ui/notice';
+import { OverlayControl } from './ui/overlay_control';
 import { Panel } from './ui/panel';
 import { PredictionCheck } from './ui/prediction_check';
 import { Readout } from './ui/readout';
@@ -53,6 +56,7 @@ export class App {
   };
   private readonly sight = new SightControl(this.stage);
   private readonly measure_control = new MeasureControl(byId('tools'), byId('measure'), this.stage);
+  private readonly overlays: OverlayControl;
   private readonly compass = new Compass(byId('compass'), () => this.guard.run(() => this.turnNorth()));
   private readonly panel: Panel;
   private readonly settings: Settings;
@@ -76,8 +80,8 @@ export class App {
     this.panel = new Panel(byId('panel'), this.settings, this.colour_maps.names, file, boundTo(controls, 'speed_mps'),
       () => this.guard.run(() => this.applySettings()));
     controls.onSpeed = () => this.guard.run(() => this.panel.showChoices());
-    takeFiles(file, (name, text) => this.guard.run(() => this.addColours(name, text)),
-      (reason) => this.guard.run(() => this.refuseColours(reason)));
+    this.overlays = new OverlayControl(byId('overlays'), byId('feature'), { ...this.stage, isTaken: () => this.measure_control.isOn });
+    this.takeFiles(file);
     if (address.is_recorded) this.panel.addButton('Save the recording', 'save', () => void this.saveRecording());
     else this.panel.addButton('Record a flight from here', 'record', () => this.recordFromHere());
     window.addEventListener('resize', () => this.guard.run(() => this.resize()));
@@ -109,6 +113,7 @@ export class App {
       ...this.terrain?.stats,
       ...this.sight.status(),
       ...this.measure_control.status(),
+      ...this.overlays.status(),
     };
   }
 
@@ -240,6 +245,7 @@ export class App {
     if (before.frozen_view.pose) this.freezeAt(before.frozen_view.pose);
     this.sight.show();
     this.measure_control.show();
+    void this.overlays.layOut();
     this.mesh = null;
     this.resize();
     if (this.scene) notify(null);
@@ -269,21 +275,30 @@ export class App {
     this.picture.setLook(this.settings, sunDirection(this.settings, this.scene));
   }
 
+  private takeFiles(colours: HTMLInputElement): void {
+    const files = new DroppedFiles([
+      { ...kColourFiles, read: (name, bytes) => this.guard.run(() => this.addColours(name.replace(/\.cpt$/i, ''), new TextDecoder().decode(bytes))),
+        refuse: (_, reason) => this.refuseFile('This colour map cannot be read', reason) },
+      { ...kOverlayFiles, read: (name, bytes) => this.overlays.add(name, bytes), refuse: (_, reason) => this.refuseFile('This file cannot be laid on the ground', reason) },
+    ], (name) => this.refuseFile('This file says nothing to the page', `${name} is no colour map (.cpt), and no GeoJSON, KML, KMZ or GPX.`));
+    files.listen(colours);
+    files.listen(byId('overlay-file') as HTMLInputElement);
+  }
+  private refuseFile(title: string, reason: string): void {
+    notify({ kind: 'error', title, text: reason, action: { label: 'Close', run: () => notify(null) } });
+  }
   // A colour map from a file, which is shown at once.
   private addColours(name: string, text: string): void {
     try {
       this.colour_maps.add(name, text);
     } catch (error) {
-      return this.refuseColours(reasonOf(error));
+      return this.refuseFile('This colour map cannot be read', reasonOf(error));
     }
     notify(null);
     Object.assign(this.settings, { colours: name, ground: 'heights' });
     this.panel.addColours(name);
     this.panel.showChoices();
     this.applySettings();
-  }
-  private refuseColours(reason: string): void {
-    notify({ kind: 'error', title: 'This colour map cannot be read', text: reason, action: { label: 'Close', run: () => notify(null) } });
   }
   private showColours(): void {
     if (!this.scene) return;

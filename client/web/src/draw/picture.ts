@@ -6,6 +6,7 @@ import { kLens, type Settings } from '../ui/settings';
 import { FrozenView } from './frozen_view';
 import { pageMaterials } from './materials';
 import { MeasureLine } from './measure_line';
+import { OverlayDrape } from './overlay_drape';
 import { ShadeProbe } from './shade_probe';
 import { SightLines } from './sight_lines';
 import { Sky } from './sky';
@@ -28,6 +29,7 @@ export class Picture {
   readonly sight_lines = new SightLines();
   readonly measure_line = new MeasureLine();
   readonly viewshed_drape = new ViewshedDrape();
+  readonly overlay_drape = new OverlayDrape();
   readonly up = new THREE.Vector3(0, 0, 1); // at the camera's eye
   ground: ForelandTerrain | null = null;
   private readonly sun = new THREE.Vector3(); // towards it
@@ -43,13 +45,13 @@ export class Picture {
   constructor(private readonly canvas: HTMLCanvasElement, private readonly anisotropy: number | null) {
     this.renderer = new THREE.WebGLRenderer({ canvas, antialias: true, powerPreference: 'high-performance' });
     this.renderer.autoClear = false;
-    this.scene.add(this.sky.object, this.frozen_view.object, this.sight_lines.object, this.measure_line.object);
+    this.scene.add(this.sky.object, this.frozen_view.object, this.sight_lines.object, this.measure_line.object, this.overlay_drape.marks);
   }
 
   // Shows a terrain; once.
   show(terrain: Terrain): void {
     this.ground = new ForelandTerrain(terrain, {
-      renderer: this.renderer, materials: pageMaterials(this.haze, this.viewshed_drape.uniforms), ...(this.anisotropy === null ? {} : { anisotropy: this.anisotropy }),
+      renderer: this.renderer, materials: pageMaterials(this.haze, { ...this.viewshed_drape.uniforms, ...this.overlay_drape.uniforms }), ...(this.anisotropy === null ? {} : { anisotropy: this.anisotropy }),
     });
     this.scene.add(this.ground);
   }
@@ -134,7 +136,9 @@ export class Picture {
     camera.updateProjectionMatrix();
     camera.updateMatrixWorld();
     this.sky.update(camera);
-    this.viewshed_drape.place(ground!.uniforms.u_pivot!.value as THREE.Vector2);
+    const pivot = ground!.uniforms.u_pivot!.value as THREE.Vector2;
+    this.viewshed_drape.place(pivot);
+    this.overlay_drape.place(pivot);
     this.renderer.clear();
     this.renderer.render(this.scene, camera);
     ++this.frames;

@@ -9,6 +9,7 @@ import objectFrag from './shaders/object.frag.glsl?raw';
 import objectVert from './shaders/object.vert.glsl?raw';
 import probeFrag from './shaders/probe.frag.glsl?raw';
 import probeVert from './shaders/probe.vert.glsl?raw';
+import overlay from './shaders/overlay.glsl?raw';
 import skyFrag from './shaders/sky.frag.glsl?raw';
 import skyVert from './shaders/sky.vert.glsl?raw';
 import terrainFrag from './shaders/terrain.frag.glsl?raw';
@@ -20,7 +21,7 @@ import wireVert from './shaders/wire.vert.glsl?raw';
 const { common, ground, groundVertex, interpolation, tiles } = glsl;
 
 export const kTerrainVertex = head + interpolation + groundVertex + terrainVert;
-export const kTerrainFragment = head + common + atmosphere + light + tiles + ground + viewshed + terrainFrag;
+export const kTerrainFragment = head + common + atmosphere + light + tiles + ground + viewshed + overlay + terrainFrag;
 export const kProbeVertex = head + probeVert;
 export const kProbeFragment = head + common + atmosphere + light.replace('in vec3 v_from_eye;', 'const vec3 v_from_eye = vec3(0.0);') + tiles + probeFrag;
 export const kObjectVertex = head + interpolation + objectVert;
