@@ -1,22 +1,18 @@
 // Overlays by hand: files of features that are dropped on the page lie on the ground; each has a row that hides it or takes it away, and a
 // click on a feature tells what is known of it.
 import type { MapPoint, Terrain } from '@foreland/client';
-import type { Picture } from '../draw/picture';
 import type { Mark } from '../draw/overlay_drape';
 import type { Overlay } from '../overlay/feature';
 import { buildGroundGrid, distanceTo, type GroundShape, type Point } from '../overlay/ground_grid';
 import { readOverlay } from '../overlay/read_overlay';
 import { runInSlices } from '../overlay/slices';
+import { onClicks, type Stage } from './stage';
 
-const kClick_px = 4; // a pointer that moves farther drags
 const kNear_px = 8; // of a feature
 
 // What it needs of the page.
-export interface OverlayStage {
-  picture(): Picture;
-  terrain(): Terrain | null;
+export interface OverlayStage extends Stage {
   isTaken(): boolean; // whether clicks are somebody else's now
-  say(text: string): void;
 }
 
 interface Shown {
@@ -28,12 +24,10 @@ interface Shown {
 
 export class OverlayControl {
   private readonly overlays: Shown[] = [];
-  private pressed: [number, number] = [0, 0];
   private laid = 0; // times that the ground was laid out anew
 
   constructor(private readonly list: HTMLElement, private readonly card: HTMLElement, private readonly stage: OverlayStage) {
-    window.addEventListener('pointerdown', (event) => (this.pressed = [event.clientX, event.clientY]));
-    window.addEventListener('click', (event) => this.click(event));
+    onClicks(stage, (event) => this.click(event));
   }
 
   // For tests.
@@ -87,9 +81,8 @@ export class OverlayControl {
   }
 
   private click(event: MouseEvent): void {
-    const moved = Math.hypot(event.clientX - this.pressed[0], event.clientY - this.pressed[1]);
     const picture = this.stage.picture(), terrain = this.stage.terrain();
-    if (moved > kClick_px || event.shiftKey || this.stage.isTaken() || this.overlays.length === 0 || !terrain || !picture.isOn(event.target)) return;
+    if (event.shiftKey || this.stage.isTaken() || this.overlays.length === 0 || !terrain) return;
     const lattice = (x: number, y: number) => {
       const point = terrain.raycast(picture.eye, picture.directionAt(x, y));
       return point && terrain.place(point)?.lattice;
