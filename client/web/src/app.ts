@@ -5,13 +5,13 @@ import { addressHere, reloadAt, writeQuery } from './app/page_address';
 import { kIsPhone, kLimits, lensOf, optionsOf } from './app/asked';
 import { CardLoss } from './app/card_loss';
 import { Steering } from './app/steering';
+import { takeFiles } from './app/taken_files';
 import { Picture, type Shot } from './draw/picture';
-import { kOverlayFiles } from './overlay/read_overlay';
-import { ColourMaps, kColourFiles } from './ui/colour_maps';
+import { ColourMaps } from './ui/colour_maps';
 import { Compass } from './ui/compass';
 import { Controls } from './ui/controls';
-import { DroppedFiles } from './ui/dropped_files';
 import { wordsOf } from './ui/failure_words';
+import { FollowControl } from './ui/follow_control';
 import { boundTo } from './ui/form';
 import { Guard } from './ui/guard';
 import { Hint } from './ui/hint';
@@ -48,7 +48,7 @@ export class App {
   private readonly prediction = new PredictionCheck();
   private readonly colour_maps = new ColourMaps();
   private readonly tours = new Tours(byId('tours'), (tour) => this.guard.run(() => this.chooseTour(tour)));
-  private readonly steering = new Steering(new Controls(this.canvas), this.tours);
+  private readonly steering = new Steering(new Controls(this.canvas), () => [this.tours, this.follow]);
   private readonly scene_time = new SceneTime(byId('time'), (at, ms_rate) => this.terrain?.setSceneTime({ at, rate: ms_rate }));
   private readonly card_loss = new CardLoss((work) => this.guard.run(work), () => this.drawAgain());
   private readonly stage: Stage = {
@@ -57,6 +57,7 @@ export class App {
   private readonly sight = new SightControl(this.stage);
   private readonly measure_control = new MeasureControl(byId('tools'), byId('measure'), this.stage);
   private readonly overlays: OverlayControl;
+  private readonly follow = new FollowControl(byId('follow'), this.stage, () => this.guard.run(() => this.ask()));
   private readonly compass = new Compass(byId('compass'), () => this.guard.run(() => this.turnNorth()));
   private readonly panel: Panel;
   private readonly settings: Settings;
@@ -74,14 +75,17 @@ export class App {
   constructor(private readonly address: Address) {
     this.settings = address.settings;
     this.picture = this.newPicture();
-    this.steering.controls.onTakeOver = () => this.guard.run(() => this.tours.current && this.chooseTour(null));
+    this.steering.controls.onTakeOver = () => this.guard.run(() => this.takeOver());
     const file = document.createElement('input');
     const { controls } = this.steering;
     this.panel = new Panel(byId('panel'), this.settings, this.colour_maps.names, file, boundTo(controls, 'speed_mps'),
       () => this.guard.run(() => this.applySettings()));
     controls.onSpeed = () => this.guard.run(() => this.panel.showChoices());
     this.overlays = new OverlayControl(byId('overlays'), byId('feature'), { ...this.stage, isTaken: () => this.measure_control.isOn });
-    this.takeFiles(file);
+    const files = takeFiles({ overlays: this.overlays, follow: this.follow, refuse: (title, reason) => this.refuseFile(title, reason),
+      addColours: (name, text) => this.guard.run(() => this.addColours(name, text)) });
+    files.listen(file);
+    files.listen(byId('overlay-file') as HTMLInputElement);
     if (address.is_recorded) this.panel.addButton('Save the recording', 'save', () => void this.saveRecording());
     else this.panel.addButton('Record a flight from here', 'record', () => this.recordFromHere());
     window.addEventListener('resize', () => this.guard.run(() => this.resize()));
@@ -114,6 +118,7 @@ export class App {
       ...this.sight.status(),
       ...this.measure_control.status(),
       ...this.overlays.status(),
+      ...this.follow.status(),
     };
   }
 
@@ -130,7 +135,7 @@ export class App {
   private connect(): void {
     const { server, token, is_recorded } = this.address;
     const terrain = (this.terrain = Terrain.connect(server, {
-      ...optionsOf(this.settings, this.tours.current !== null), lens: lensOf(this.canvas), limits: kLimits, record: is_recorded, patienceMs: Infinity,
+      ...optionsOf(this.settings, this.isGuided), lens: lensOf(this.canvas), limits: kLimits, record: is_recorded, patienceMs: Infinity,
       ...(token === null ? {} : { token }),
     }));
     terrain.on('scene', (scene) => this.guard.run(() => this.enterScene(scene)));
@@ -245,6 +250,7 @@ export class App {
     if (before.frozen_view.pose) this.freezeAt(before.frozen_view.pose);
     this.sight.show();
     this.measure_control.show();
+    this.follow.show();
     void this.overlays.layOut();
     this.mesh = null;
     this.resize();
@@ -275,15 +281,6 @@ export class App {
     this.picture.setLook(this.settings, sunDirection(this.settings, this.scene));
   }
 
-  private takeFiles(colours: HTMLInputElement): void {
-    const files = new DroppedFiles([
-      { ...kColourFiles, read: (name, bytes) => this.guard.run(() => this.addColours(name.replace(/\.cpt$/i, ''), new TextDecoder().decode(bytes))),
-        refuse: (_, reason) => this.refuseFile('This colour map cannot be read', reason) },
-      { ...kOverlayFiles, read: (name, bytes) => this.overlays.add(name, bytes), refuse: (_, reason) => this.refuseFile('This file cannot be laid on the ground', reason) },
-    ], (name) => this.refuseFile('This file says nothing to the page', `${name} is no colour map (.cpt), and no GeoJSON, KML, KMZ or GPX.`));
-    files.listen(colours);
-    files.listen(byId('overlay-file') as HTMLInputElement);
-  }
   private refuseFile(title: string, reason: string): void {
     notify({ kind: 'error', title, text: reason, action: { label: 'Close', run: () => notify(null) } });
   }
@@ -320,10 +317,19 @@ export class App {
     this.ask();
   }
   private ask(): void {
-    this.terrain?.setOptions(optionsOf(this.settings, this.tours.current !== null));
+    this.terrain?.setOptions(optionsOf(this.settings, this.isGuided));
+  }
+  // Along a path that the server knows.
+  private get isGuided(): boolean {
+    return this.tours.current !== null || this.follow.isGuiding;
   }
 
+  private takeOver(): void {
+    this.follow.release();
+    if (this.tours.current) this.chooseTour(null);
+  }
   private chooseTour(tour: Tour | null): void {
+    if (tour) this.follow.release();
     if (tour && this.terrain) this.tours.request(tour, this.terrain);
     else this.tours.stop();
     this.ask();
@@ -346,7 +352,7 @@ export class App {
   }
 
   private turnNorth(): void {
-    if (this.tours.current) this.chooseTour(null);
+    this.takeOver();
     this.steering.controls.look.heading = 0;
   }
 

@@ -21,13 +21,18 @@ export interface OverlayMap {
 
 // A generator, for slices (slices.ts): parsing text is one of them.
 export function* readOverlay(name: string, bytes: Uint8Array, map: OverlayMap): Generator<void, Overlay> {
+  return yield* new Reader(name, map).read(yield* readFeatures(name, bytes));
+}
+
+// As GeoJSON, whatever it is written in; what is in it is not checked.
+export function* readFeatures(name: string, bytes: Uint8Array): Generator<void, unknown> {
   if (bytes.length > kMaxBytes) throw new Error(`${name} has more than ${kMaxBytes >> 20} MB.`);
   const is_packed = bytes[0] === 0x50 && bytes[1] === 0x4b; // "PK"
   const text = new TextDecoder('utf-8').decode(is_packed ? unpacked(name, bytes) : bytes);
   yield;
   const json = textKind(name, text) === 'json' ? parsedJson(name, text) : parsedXml(name, text);
   yield;
-  return yield* new Reader(name, map).read(json);
+  return json;
 }
 
 function unpacked(name: string, bytes: Uint8Array): Uint8Array {

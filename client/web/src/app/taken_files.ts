@@ -1,0 +1,38 @@
+// Which files the page takes, dropped or opened, and what becomes of each.
+import { geoJsonOfIgc } from '../follow/igc';
+import { kOverlayFiles, readFeatures } from '../overlay/read_overlay';
+import { runInSlices } from '../overlay/slices';
+import { kColourFiles } from '../ui/colour_maps';
+import { DroppedFiles } from '../ui/dropped_files';
+import type { FollowControl } from '../ui/follow_control';
+import type { OverlayControl } from '../ui/overlay_control';
+
+const kFlightFiles = { names: /\.igc$/i, max_bytes: kOverlayFiles.max_bytes };
+const kWithTimes = /"(coordTimes|coordinateProperties)"/; // in GeoJSON
+
+export interface Takers {
+  overlays: OverlayControl;
+  follow: FollowControl;
+  addColours(name: string, text: string): void;
+  refuse(title: string, reason: string): void;
+}
+
+export function takeFiles({ overlays, follow, addColours, refuse }: Takers): DroppedFiles {
+  return new DroppedFiles([
+    { ...kColourFiles, read: (name, bytes) => addColours(name.replace(/\.cpt$/i, ''), new TextDecoder().decode(bytes)),
+      refuse: (_, reason) => refuse('This colour map cannot be read', reason) },
+    { ...kOverlayFiles, read: async (name, bytes) => {
+      await overlays.add(name, bytes);
+      if (isTrack(name, bytes)) await follow.take(name, await runInSlices(readFeatures(name, bytes)), !/\.gpx$/i.test(name));
+    }, refuse: (_, reason) => refuse('This file cannot be laid on the ground', reason) },
+    { ...kFlightFiles, read: async (name, bytes) => {
+      const json = geoJsonOfIgc(name, new TextDecoder('latin1').decode(bytes));
+      await overlays.add(name, new TextEncoder().encode(JSON.stringify(json)));
+      await follow.take(name, json, true);
+    }, refuse: (_, reason) => refuse('This flight cannot be read', reason) },
+  ], (name) => refuse('This file says nothing to the page', `${name} is no colour map (.cpt), and no GeoJSON, KML, KMZ, GPX or IGC.`));
+}
+
+function isTrack(name: string, bytes: Uint8Array): boolean {
+  return !/json$/i.test(name) || kWithTimes.test(new TextDecoder().decode(bytes));
+}
