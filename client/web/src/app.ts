@@ -5,11 +5,12 @@ import { addressHere, reloadAt, writeQuery } from './app/page_address';
 import { kIsPhone, kLimits, lensOf, optionsOf } from './app/asked';
 import { CardLoss } from './app/card_loss';
 import { Steering } from './app/steering';
-import { takeFiles } from './app/taken_files';
+import { takeAddressed, takeFiles } from './app/taken_files';
 import { Picture, type Shot } from './draw/picture';
 import { ColourMaps } from './ui/colour_maps';
 import { Compass } from './ui/compass';
 import { Controls } from './ui/controls';
+import type { DroppedFiles } from './ui/dropped_files';
 import { wordsOf } from './ui/failure_words';
 import { FollowControl } from './ui/follow_control';
 import { boundTo } from './ui/form';
@@ -59,6 +60,7 @@ export class App {
   private readonly overlays: OverlayControl;
   private readonly follow = new FollowControl(byId('follow'), this.stage, () => this.guard.run(() => this.ask()));
   private readonly compass = new Compass(byId('compass'), () => this.guard.run(() => this.turnNorth()));
+  private readonly files: DroppedFiles;
   private readonly panel: Panel;
   private readonly settings: Settings;
   private picture: Picture;
@@ -82,10 +84,10 @@ export class App {
       () => this.guard.run(() => this.applySettings()));
     controls.onSpeed = () => this.guard.run(() => this.panel.showChoices());
     this.overlays = new OverlayControl(byId('overlays'), byId('feature'), { ...this.stage, isTaken: () => this.measure_control.isOn });
-    const files = takeFiles({ overlays: this.overlays, follow: this.follow, refuse: (title, reason) => this.refuseFile(title, reason),
+    this.files = takeFiles({ overlays: this.overlays, follow: this.follow, refuse: (title, reason) => this.refuseFile(title, reason),
       addColours: (name, text) => this.guard.run(() => this.addColours(name, text)) });
-    files.listen(file);
-    files.listen(byId('overlay-file') as HTMLInputElement);
+    this.files.listen(file);
+    this.files.listen(byId('overlay-file') as HTMLInputElement);
     if (address.is_recorded) this.panel.addButton('Save the recording', 'save', () => void this.saveRecording());
     else this.panel.addButton('Record a flight from here', 'record', () => this.recordFromHere());
     window.addEventListener('resize', () => this.guard.run(() => this.resize()));
@@ -176,6 +178,7 @@ export class App {
     if (!is_first) return;
     this.hint.show(wordsOnMoving(kIsPhone));
     this.kept_address.begin(queryText(this.addressHere()));
+    void takeAddressed(this.files, this.address.tracks, (title, reason) => this.refuseFile(title, reason));
   }
 
   private showWaiting(seconds: number, reason: string): void {

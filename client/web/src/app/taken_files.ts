@@ -6,6 +6,7 @@ import { kColourFiles } from '../ui/colour_maps';
 import { DroppedFiles } from '../ui/dropped_files';
 import type { FollowControl } from '../ui/follow_control';
 import type { OverlayControl } from '../ui/overlay_control';
+import { reasonOf } from '../ui/words';
 
 const kFlightFiles = { names: /\.igc$/i, max_bytes: kOverlayFiles.max_bytes };
 const kWithTimes = /"(coordTimes|coordinateProperties)"/; // in GeoJSON
@@ -35,4 +36,17 @@ export function takeFiles({ overlays, follow, addColours, refuse }: Takers): Dro
 
 function isTrack(name: string, bytes: Uint8Array): boolean {
   return !/json$/i.test(name) || kWithTimes.test(new TextDecoder().decode(bytes));
+}
+
+// Files that the page's address names, by addresses that count from the page's own.
+export async function takeAddressed(files: DroppedFiles, addresses: readonly string[], refuse: Takers['refuse']): Promise<void> {
+  for (const address of addresses) {
+    try {
+      const url = new URL(address, window.location.href), answer = await fetch(url);
+      if (!answer.ok) throw new Error(`The server answers ${answer.status}.`);
+      await files.take(new File([await answer.blob()], decodeURIComponent(url.pathname.split('/').pop()!)));
+    } catch (error) {
+      refuse(`${address} does not come`, reasonOf(error));
+    }
+  }
 }

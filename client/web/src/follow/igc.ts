@@ -8,7 +8,7 @@ export function geoJsonOfIgc(name: string, text: string): Record<string, unknown
   let day_ms = 0, last_ms = -Infinity;
   for (const line of text.split(/\r\n?|\n/)) {
     const date = /^HFDTE(?:DATE:)?\s*(\d\d)(\d\d)(\d\d)/.exec(line);
-    if (date) day_ms = Date.UTC(2000 + Number(date[3]), Number(date[2]) - 1, Number(date[1]));
+    if (date) day_ms = Date.UTC(Number(date[3]) + (Number(date[3]) < 80 ? 2000 : 1900), Number(date[2]) - 1, Number(date[1]));
     const fix = fixOf(line);
     if (!fix) continue;
     let time_ms = day_ms + fix.of_day_ms;

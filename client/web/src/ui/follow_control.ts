@@ -1,6 +1,6 @@
 // Following a flight: K plays and pauses, J and L go ten seconds back and on, comma and full stop change the play speed, F the view. While the
 // camera goes along, its path is announced to the server, piece by piece, so that each frame's error is guaranteed.
-import type { Pose, Terrain } from '@foreland/client';
+import type { Pose, Terrain, Vector } from '@foreland/client';
 import { upIn } from '../follow/basis';
 import { poseOn, type CameraPath } from '../follow/camera_path';
 import { durationOf, pointAt, velocityAt } from '../follow/flight';
@@ -9,7 +9,8 @@ import { hasTimes, trackOf } from '../follow/track';
 import { FollowBar, kSpeeds, type View } from './follow_bar';
 import { isForPage, type Stage } from './stage';
 
-const kLead_ms = 700; // after a jump, so that the server can send the first keyframe there in time
+const kLongestWait_ms = 5000; // for a guarantee where the flight goes on
+const kSpare_ms = 300; // between a path's announcement and its start, beside the two keyframes that are under way
 const kPiece = 1200; // poses that are announced at once
 const kBefore = 2; // of them before where the camera is, where it is on its way: a path is smooth between two poses on either side
 const kLeft_ms = 30_000; // of a piece, when the next one is announced
@@ -29,11 +30,15 @@ export class FollowControl {
   private view: View = 'free';
   private speed = 1;
   private is_playing = false;
-  private from_ms = 0; // it is at from_s until then, and goes on from there
+  private from_ms = 0; // it is at from_s until then, and goes on from there; Infinity: it waits
+  private since_ms = 0; // that it waits
+  private frames = 0; // since then
   private from_s = 0;
   private piece: (CameraPath & { from_s: number; until_ms: number }) | null = null; // that is announced
   private has_jumped = false;
+  private is_dragged = false;
   private made = 0; // paths so far
+  private at: Vector = [0, 0, 0]; // of the aircraft, in the last frame
   private readonly bar: FollowBar;
 
   // `onGuide` is called as the camera begins to go along, or ends it.
@@ -49,7 +54,7 @@ export class FollowControl {
   status(): Record<string, unknown> {
     const { journey, view, speed, is_playing, path } = this;
     return { following: journey?.name ?? null, follow_s: this.timeAt(performance.now()), follow_duration_s: journey ? durationOf(journey.flight) : 0,
-      follow_view: view, follow_speed: speed, follow_playing: is_playing && path !== null, follow_lead: performance.now() < this.from_ms };
+      follow_view: view, follow_speed: speed, follow_playing: is_playing && path !== null, follow_lead: performance.now() < this.from_ms, follow_at: this.at };
   }
 
   // Whether it has the camera.
@@ -108,12 +113,12 @@ export class FollowControl {
     if (!path) return null;
     if (this.has_jumped) terrain.jump();
     this.has_jumped = false;
-    if (this.is_playing) this.announce(terrain, now_ms);
+    if (this.is_playing && !this.is_dragged) this.fly(terrain, now_ms);
     return this.piece ? poseOn(this.piece, time_s - this.piece.from_s) : poseOn(path, time_s);
   }
   // The aircraft where it is at a time.
   mark(terrain: Terrain, time_s: number): void {
-    const { flight, seats } = this.journey!, at = pointAt(flight, time_s);
+    const { flight, seats } = this.journey!, at = (this.at = pointAt(flight, time_s));
     const ahead = velocityAt(flight, time_s), segments = flight.times_s.findIndex((t) => t > time_s);
     const has_aircraft = seats.length > 0 && this.view !== 'cockpit';
     this.stage.picture().flight_marks.place(at, ahead, upIn(terrain.scene)(at), segments < 0 ? flight.points.length - 1 : Math.max(segments - 1, 0), has_aircraft);
@@ -126,12 +131,14 @@ export class FollowControl {
     const on_s = this.is_playing ? (Math.max(now_ms - this.from_ms, 0) / 1000) * this.speed : 0;
     return Math.min(this.from_s + on_s, durationOf(this.journey.flight));
   }
-  // From now on from a time of the flight, after a moment for the first keyframe there.
+  // From now on from a time of the flight; where the camera goes along, as soon as what is seen there is guaranteed.
   private goOn(from_s: number): void {
     this.silence();
     const step_s = this.path?.step_s ?? 0;
     this.from_s = step_s > 0 ? step_s * Math.round(from_s / step_s) : from_s; // where a path can begin
-    this.from_ms = performance.now() + (this.path ? kLead_ms : 0);
+    this.since_ms = performance.now();
+    this.frames = 0;
+    this.from_ms = this.view === 'free' ? this.since_ms : Infinity;
   }
   // From the beginning, once it is over.
   private play(is_playing: boolean): void {
@@ -144,7 +151,7 @@ export class FollowControl {
   private seek(time_s: number, is_dragged: boolean): void {
     if (!this.journey) return;
     this.goOn(Math.min(Math.max(time_s, 0), durationOf(this.journey.flight)));
-    if (is_dragged) this.from_ms = Infinity; // until it is let go
+    this.is_dragged = is_dragged;
     this.has_jumped = true;
   }
 
@@ -160,7 +167,6 @@ export class FollowControl {
     this.goOn(time_s);
     if (this.isGuiding !== was_guiding) this.onGuide();
     if (view === 'free') return;
-    this.from_ms = Infinity; // until its path is known
     const path = await journey.pathOf(view === 'own' ? 'cockpit' : view, speed);
     if (mine !== this.made) return;
     this.path = path;
@@ -168,10 +174,18 @@ export class FollowControl {
     this.goOn(time_s);
   }
 
+  private fly(terrain: Terrain, now_ms: number): void {
+    const { keyframe_ms, longest_keyframe_ms } = terrain.request;
+    const is_guaranteed = terrain.lastFrame !== null && terrain.lastFrame.guaranteedPx !== null && this.frames > 2;
+    ++this.frames;
+    if (this.from_ms === Infinity && (is_guaranteed || now_ms - this.since_ms > kLongestWait_ms)) this.from_ms = now_ms + kSpare_ms + 2 * Math.max(keyframe_ms, longest_keyframe_ms ?? 0);
+    if (this.from_ms !== Infinity) this.announce(terrain, now_ms);
+  }
+
   // The piece of the path that is next, on the same steps as the whole of it.
   private announce(terrain: Terrain, now_ms: number): void {
     const { path, piece, speed } = this;
-    if (this.from_ms === Infinity || (piece && piece.until_ms - now_ms > kLeft_ms)) return;
+    if (piece && piece.until_ms - now_ms > kLeft_ms) return;
     const { poses, step_s } = path!, step_ms = (1000 * step_s) / speed;
     const first = Math.max(Math.floor(this.timeAt(now_ms) / step_s + 1e-6) - (piece ? kBefore : 0), 0), next = poses.slice(first, first + kPiece);
     if (next.length < 2) return;

@@ -35,6 +35,7 @@ export interface Address {
   view: number[] | null; // x, y, z in metres, heading, pitch in degrees
   anisotropy: number | null; // of pictures; null: what the graphics card does cheaply
   sharpness: number; // most device pixels per page pixel
+  tracks: readonly string[]; // addresses of files to lay on the ground and to follow
   is_recorded: boolean; // the flight, from its beginning on
 }
 
@@ -96,6 +97,7 @@ export function readAddress(location: Location, server: string): Address {
     view: view?.length === 5 && view.every(Number.isFinite) ? view : null,
     anisotropy: query.has('anisotropy') ? number('anisotropy', 1, 16, 1) : null,
     sharpness: number('sharpness', 0.25, 3, 2),
+    tracks: query.getAll('track'),
     is_recorded: flag('record', false),
   };
 }
