@@ -30,6 +30,7 @@ import { SightControl } from './ui/sight_control';
 import type { Stage } from './ui/stage';
 import { sunDirection } from './ui/sun';
 import { Tours } from './ui/tours';
+import { WaypointControl } from './ui/waypoint_control';
 import { wordsOnMoving } from './ui/welcome_words';
 import { reasonOf } from './ui/words';
 
@@ -60,6 +61,7 @@ export class App {
   private readonly overlays: OverlayControl;
   private readonly follow = new FollowControl(byId('follow'), this.stage, () => this.guard.run(() => this.ask()));
   private readonly compass = new Compass(byId('compass'), () => this.guard.run(() => this.turnNorth()));
+  private readonly waypoints: WaypointControl;
   private readonly files: DroppedFiles;
   private readonly panel: Panel;
   private readonly settings: Settings;
@@ -84,7 +86,8 @@ export class App {
       () => this.guard.run(() => this.applySettings()));
     controls.onSpeed = () => this.guard.run(() => this.panel.showChoices());
     this.overlays = new OverlayControl(byId('overlays'), byId('feature'), { ...this.stage, isTaken: () => this.measure_control.isOn });
-    this.files = takeFiles({ overlays: this.overlays, follow: this.follow, refuse: (title, reason) => this.refuseFile(title, reason),
+    this.waypoints = new WaypointControl(byId('tools'), byId('waypoints'), this.stage, controls, this.follow);
+    this.files = takeFiles({ overlays: this.overlays, follow: this.follow, waypoints: this.waypoints, refuse: (title, reason) => this.refuseFile(title, reason),
       addColours: (name, text) => this.guard.run(() => this.addColours(name, text)) });
     this.files.listen(file);
     this.files.listen(byId('overlay-file') as HTMLInputElement);
@@ -121,6 +124,7 @@ export class App {
       ...this.measure_control.status(),
       ...this.overlays.status(),
       ...this.follow.status(),
+      ...this.waypoints.status(),
     };
   }
 

@@ -1,7 +1,9 @@
 // Flights in the page, in headless Chromium against the real server.
 import assert from 'node:assert/strict';
+import { readFile } from 'node:fs/promises';
+import { join } from 'node:path';
 import { after, before, test } from 'node:test';
-import { makeFolder, makeSceneOnEarth, on_earth, openBrowser, openPage, startServer, status, until, untilTerrain } from './support.mjs';
+import { makeFolder, makeSceneOnEarth, runForeland, on_earth, openBrowser, openPage, startServer, status, until, untilTerrain } from './support.mjs';
 
 const kTest = { timeout: 180_000 };
 let folder, server, browser;
@@ -24,10 +26,10 @@ function gpx() {
     `<trkpt lat="${kFrom.lat}" lon="${(kFrom.lon + i * kRate).toFixed(6)}"><ele>3000</ele><time>${new Date(Date.UTC(2024, 5, 1, 12, 0, i)).toISOString()}</time></trkpt>`);
   return `<?xml version="1.0"?><gpx version="1.1" creator="test" xmlns="http://www.topografix.com/GPX/1/1"><trk><trkseg>${points.join('')}</trkseg></trk></gpx>`;
 }
-async function visit(query, body, { width = 480, height = 320, expected, ...options } = {}) {
+async function visit(query, body, { width = 960, height = 640, expected, ...options } = {}) {
   const { page, complaints, close } = await openPage(browser, { width, height, ...options });
   try {
-    await page.goto(new URL(`?sharpness=0.5&tau=2&${query}`, server.url).href);
+    await page.goto(new URL(`?sharpness=0.25&tau=2&${query}`, server.url).href);
     await untilTerrain(page);
     await body(page);
     assert.deepEqual(complaints.filter((complaint) => !expected?.test(complaint)), []);
@@ -90,14 +92,37 @@ test('a track is followed by the address, and one without times at a constant sp
   const untimed = gpx().replaceAll(/<time>[^<]*<\/time>|<ele>[^<]*<\/ele>/g, '');
   return visit('', async (page) => {
     await page.route('**/way.gpx', (route) => route.fulfill({ body: untimed, contentType: 'application/gpx+xml' }));
-    await page.goto(new URL('?sharpness=0.5&tau=2&track=way.gpx', server.url).href);
+    await page.goto(new URL('?sharpness=0.25&tau=2&track=way.gpx', server.url).href);
     const s = await until(page, ({ following }) => following === 'way.gpx');
     assert.ok(s.follow_duration_s > 900 && s.follow_duration_s < 950, `${s.follow_duration_s} s`);
     const hint = await page.locator('#hint').innerText();
     assert.match(hint, /has no times: it is flown at 10 m\/s/);
     assert.match(hint, /has no heights: it is flown 50 m above the ground/);
-    await page.goto(new URL('?sharpness=0.5&tau=2&track=none.gpx', server.url).href);
+    await page.goto(new URL('?sharpness=0.25&tau=2&track=none.gpx', server.url).href);
     await page.locator('#notice.error').waitFor();
     assert.match(await page.locator('#notice').innerText(), /none\.gpx does not come/);
   }, { expected: /404/ });
 });
+
+test('a path through waypoints is flown, kept, read again, and flown by foreland fly', kTest, () =>
+  visit('keyframe=1000', async (page) => {
+    await page.keyboard.press('KeyP');
+    await page.keyboard.down('KeyW');
+    const first = await status(page);
+    await until(page, (s, eye) => Math.hypot(...s.eye.map((v, k) => v - eye[k])) > 100, first.eye);
+    await page.keyboard.up('KeyW');
+    await page.keyboard.press('KeyP');
+    assert.equal((await status(page)).waypoints, 2);
+    const keep = async (kind) => {
+      const [file] = await Promise.all([page.waitForEvent('download'), page.locator(`[name=path_${kind}]`).click()]);
+      const path = join(folder.folder, file.suggestedFilename());
+      await file.saveAs(path);
+      return path;
+    };
+    const files = [await keep('json'), await keep('kml')];
+    for (const file of files) assert.match(await runForeland('fly', `ws://${server.url.host}`, '--track', file, '--seconds', '2'), /keyframes/);
+    await page.locator('[name=path_clear]').click();
+    await drop(page, 'path.json', await readFile(files[0], 'utf8'));
+    await until(page, (s) => s.waypoints === 2 && s.follow_view === 'own' && s.follow_playing && !s.follow_lead);
+    await until(page, (s, eye) => s.follow_s === s.follow_duration_s && Math.hypot(...s.eye.map((v, k) => v - eye[k])) > 90, first.eye);
+  }));

@@ -3,10 +3,10 @@ import assert from 'node:assert/strict';
 import { after, before, test } from 'node:test';
 import { openSources } from './support.mjs';
 
-let sources, tracks, igc, flights, cameras, basis;
+let sources, tracks, igc, flights, cameras, basis, ways;
 before(async () => {
   sources = await openSources();
-  [tracks, igc, flights, cameras, basis] = await Promise.all(['track', 'igc', 'flight', 'camera_path', 'basis'].map((name) => sources.load(`follow/${name}.ts`)));
+  [tracks, igc, flights, cameras, basis, ways] = await Promise.all(['track', 'igc', 'flight', 'camera_path', 'basis', 'waypoints'].map((name) => sources.load(`follow/${name}.ts`)));
 });
 after(() => sources?.close());
 
@@ -162,4 +162,39 @@ test('a flight of IGC goes on past midnight, with heights by satellites where th
   const json = igc.geoJsonOfIgc('a.igc', ['AXXX', 'HFDTE311299', 'B2359584606000N00830000EA0150001550', 'B0000024606060S00830000WV0150100000', 'Bxx', 'B0000034606120N00830000EA-010000000'].join('\r\n'));
   assert.deepEqual(json.properties.coordTimes.map((time) => Date.parse(time) - Date.parse(json.properties.coordTimes[0])), [0, 4000, 5000]);
   assert.deepEqual(json.geometry.coordinates.map((c) => c.map((v) => +v.toFixed(6))), [[8.5, 46.1, 1550], [-8.5, -46.101, 1501], [8.5, 46.102, -100]]);
+});
+
+// A camera's waypoints, of a seed; with turns over north, and one on the spot.
+function waypointsOf(seed, count = 6) {
+  const next = random(seed), waypoints = Array.from({ length: count }, () => ({ eye: [3000 * next(), 3000 * next(), 500 + 500 * next()], heading: 2 * Math.PI * next(), pitch: -0.8 * next() }));
+  waypoints[2].eye = [...waypoints[1].eye];
+  return waypoints.map((waypoint) => ({ ...waypoint, height_m: waypoint.eye[2] }));
+}
+
+test('a way passes through its waypoints, looks where they look, and turns by the shorter way', () => {
+  for (let seed = 1; seed <= 20; ++seed) {
+    const waypoints = waypointsOf(seed), way = ways.wayThrough(waypoints, 40), { times_s } = way.flight;
+    assert.ok(Math.abs(times_s.at(-1) - 40) < 1e-9);
+    waypoints.forEach((waypoint, i) => {
+      const course = ways.courseOfWay(way, Math.max(times_s[i], 1e-3), flat), k = i === 0 ? 0 : 1;
+      assert.ok(away(course.eyes[k], waypoint.eye) < 1e-6, `seed ${seed}, waypoint ${i}`);
+      const pose = cameras.poseTowards(course.eyes[k], course.targets[k], flat()), wanted = ways.poseAt(waypoint, flat);
+      assert.ok(Math.abs(pose.orientation.reduce((sum, v, j) => sum + v * wanted.orientation[j], 0)) > 1 - 1e-9, `seed ${seed}, waypoint ${i} looks elsewhere`);
+      if (i > 0) assert.ok(times_s[i] > times_s[i - 1] && Math.abs(way.looks.points[i][0] - way.looks.points[i - 1][0]) <= Math.PI + 1e-9);
+    });
+  }
+});
+
+test('a tour is read again as it was written, and its way has the waypoints at their times', () => {
+  const places = [[8.1, 46.2, 2000, 350, -10], [8.2, 46.3, 2100.5, 20, 5]].map(([lon, lat, height_m, heading_deg, pitch_deg]) => ({ place: { lon, lat }, height_m, heading_deg, pitch_deg }));
+  const way = places.map(({ place, height_m }, i) => ({ place, height_m, time_s: 12 * i }));
+  const text = ways.tourJson({ name: 'A & <B>', seconds: 12, waypoints: places, way, crs: '' });
+  assert.deepEqual(ways.tourIn(JSON.parse(text)), { seconds: 12, waypoints: places });
+  assert.deepEqual(tracks.trackOf('a', JSON.parse(text), true).fixes, way.map(({ place, height_m, time_s }) => ({ place, height_m, time_s })));
+  const kml = ways.tourKml({ name: 'A & <B>', seconds: 12, waypoints: places, way, crs: '' }, [0, 12]);
+  assert.match(kml, /<name>A &amp; &lt;B><\/name>/);
+  assert.match(kml, /<heading>350<\/heading><tilt>80<\/tilt>/);
+  assert.equal(ways.tourIn({ features: [] }), null);
+  for (const waypoints of [[{ at: [8, 46, 'x'] }, null], [], 'x'])
+    assert.throws(() => ways.tourIn({ features: [{ properties: { foreland_tour: { seconds: 12, waypoints } } }] }) ?? assert.fail('none'), Error);
 });

@@ -6,6 +6,7 @@ import { kColourFiles } from '../ui/colour_maps';
 import { DroppedFiles } from '../ui/dropped_files';
 import type { FollowControl } from '../ui/follow_control';
 import type { OverlayControl } from '../ui/overlay_control';
+import type { WaypointControl } from '../ui/waypoint_control';
 import { reasonOf } from '../ui/words';
 
 const kFlightFiles = { names: /\.igc$/i, max_bytes: kOverlayFiles.max_bytes };
@@ -14,17 +15,19 @@ const kWithTimes = /"(coordTimes|coordinateProperties)"/; // in GeoJSON
 export interface Takers {
   overlays: OverlayControl;
   follow: FollowControl;
+  waypoints: WaypointControl;
   addColours(name: string, text: string): void;
   refuse(title: string, reason: string): void;
 }
 
-export function takeFiles({ overlays, follow, addColours, refuse }: Takers): DroppedFiles {
+export function takeFiles({ overlays, follow, waypoints, addColours, refuse }: Takers): DroppedFiles {
   return new DroppedFiles([
     { ...kColourFiles, read: (name, bytes) => addColours(name.replace(/\.cpt$/i, ''), new TextDecoder().decode(bytes)),
       refuse: (_, reason) => refuse('This colour map cannot be read', reason) },
     { ...kOverlayFiles, read: async (name, bytes) => {
       await overlays.add(name, bytes);
-      if (isTrack(name, bytes)) await follow.take(name, await runInSlices(readFeatures(name, bytes)), !/\.gpx$/i.test(name));
+      const json = isTrack(name, bytes) ? await runInSlices(readFeatures(name, bytes)) : null;
+      if (json && !waypoints.take(json)) await follow.take(name, json, !/\.gpx$/i.test(name));
     }, refuse: (_, reason) => refuse('This file cannot be laid on the ground', reason) },
     { ...kFlightFiles, read: async (name, bytes) => {
       const json = geoJsonOfIgc(name, new TextDecoder('latin1').decode(bytes));

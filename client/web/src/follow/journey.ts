@@ -1,9 +1,10 @@
 // What can be followed: a flight through the scene, and the camera's path along it for each seat. A track becomes one over the exact ground.
 import type { MapPoint, Terrain, Vector } from '@foreland/client';
 import { upIn } from './basis';
-import { courseOf, liftsOf, posesOf, spread, type CameraPath, type Seat } from './camera_path';
-import { flightOf, type Flight } from './flight';
+import { courseOf, liftsOf, posesOf, spread, stepOf, type CameraPath, type Seat } from './camera_path';
+import { durationOf, flightOf, heightAt, pointAt, type Flight } from './flight';
 import type { Track } from './track';
+import { courseOfWay, wayThrough, type Tour, type TourPlace, type Waypoint } from './waypoints';
 
 export interface Journey {
   name: string;
@@ -15,7 +16,7 @@ export interface Journey {
 }
 
 const kLeast_m = 2; // of an aircraft, above the ground
-const kCameraLeast_m: Record<Seat, number> = { chase: 20, cockpit: 10 };
+const kCameraLeast_m: Record<Seat | 'own', number> = { chase: 20, cockpit: 10, own: 2 };
 const kUsual_m = 50; // above the ground, of a track without heights
 const kAtOnce = 65_536; // heights in a question
 const kAskedPoses = 8000; // of a camera's path, at most
@@ -43,6 +44,50 @@ export async function journeyOf(terrain: Terrain, track: Track): Promise<Journey
   return { name, notes, flight, begin_ms: track.begin_ms, seats: ['chase', 'cockpit'], pathOf: (seat, speed) => pathAlong(terrain, flight, seat, speed) };
 }
 
+// Of the camera through waypoints.
+export function journeyThrough(terrain: Terrain, name: string, waypoints: readonly Waypoint[], seconds: number): Journey {
+  const way = wayThrough(waypoints, seconds), upAt = upIn(terrain.scene), { low, high } = terrain.scene.bounds;
+  const least_m = Math.min(kCameraLeast_m.own, Math.hypot(high[0] - low[0], high[1] - low[1]) / 2000);
+  return {
+    name, notes: [], flight: way.flight, begin_ms: null, seats: [],
+    pathOf: async (_, speed) => {
+      const course = courseOfWay(way, stepOf(way.flight, speed), upAt);
+      return posesOf(course, 'cockpit', await liftsAlong(terrain, course.eyes, least_m, speed / course.step_s), upAt);
+    },
+  };
+}
+
+const kWayStep_s = 0.5;
+
+// As a file has it, with heights above the sea where the scene knows these.
+export function tourOf(terrain: Terrain, name: string, waypoints: readonly Waypoint[], seconds: number): { tour: Tour; times_s: readonly number[] } {
+  const { flight } = wayThrough(waypoints, seconds), degrees = (radians: number) => (radians * 180) / Math.PI;
+  const placed = (point: Vector, height_m: number): { place: MapPoint; height_m: number } => {
+    const place = mapPointAt(terrain, point);
+    return { place, height_m: height_m - zeroAboveSea(terrain, place) };
+  };
+  const count = Math.ceil(seconds / kWayStep_s);
+  return {
+    times_s: [...flight.times_s],
+    tour: {
+      name, seconds, crs: terrain.scene.crs,
+      waypoints: waypoints.map(({ eye, height_m, heading, pitch }) => ({ ...placed(eye, height_m), heading_deg: degrees(heading), pitch_deg: degrees(pitch) })),
+      way: Array.from({ length: count + 1 }, (_, i) => ({ ...placed(pointAt(flight, (durationOf(flight) * i) / count), heightAt(flight, (durationOf(flight) * i) / count)), time_s: (durationOf(flight) * i) / count })),
+    },
+  };
+}
+export function waypointsOf(terrain: Terrain, places: readonly TourPlace[]): Waypoint[] {
+  const radians = (degrees: number) => (degrees * Math.PI) / 180;
+  return places.map(({ place, height_m, heading_deg, pitch_deg }) => {
+    const height = height_m + zeroAboveSea(terrain, place);
+    return { eye: terrain.toScene({ ...place, height }), height_m: height, heading: radians(heading_deg), pitch: radians(pitch_deg) };
+  });
+}
+function mapPointAt(terrain: Terrain, point: Vector): MapPoint {
+  const place = terrain.toGeodetic(point);
+  return 'lat' in place ? { lon: place.lon, lat: place.lat } : { easting: place.easting, northing: place.northing };
+}
+
 // How far the scene's zero surface is below the sea's level there: tracks count from the sea.
 function zeroAboveSea(terrain: Terrain, place: MapPoint): number {
   const at = terrain.place(terrain.toScene({ ...place, height: 0 }));
@@ -67,12 +112,13 @@ function between(a: MapPoint, b: MapPoint, share: number): MapPoint {
 }
 
 async function pathAlong(terrain: Terrain, flight: Flight, seat: Seat, speed: number): Promise<CameraPath> {
-  const upAt = upIn(terrain.scene), course = courseOf(flight, seat, speed, upAt), count = course.eyes.length;
-  return posesOf(course, seat, await liftsAlong(terrain, course.eyes, kCameraLeast_m[seat], speed / course.step_s, count), upAt);
+  const upAt = upIn(terrain.scene), course = courseOf(flight, seat, speed, upAt);
+  return posesOf(course, seat, await liftsAlong(terrain, course.eyes, kCameraLeast_m[seat], speed / course.step_s), upAt);
 }
 
 // By how much each of the eyes is lifted, so that it is above the exact ground.
-async function liftsAlong(terrain: Terrain, eyes: readonly Vector[], least_m: number, steps_in_s: number, count: number): Promise<number[]> {
+async function liftsAlong(terrain: Terrain, eyes: readonly Vector[], least_m: number, steps_in_s: number): Promise<number[]> {
+  const count = eyes.length;
   const stride = Math.max(1, Math.floor(count / kAskedPoses));
   const asked = eyes.filter((_, i) => i % stride === 0 || i === count - 1).map((eye) => terrain.place(eye)!);
   const ground = await groundAt(terrain, asked);
