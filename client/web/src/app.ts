@@ -1,36 +1,32 @@
 // The page's parts and what flows between them, frame by frame: camera -> terrain -> picture -> readout. The terrain (@foreland/client) has
 // the session, the picture what is drawn; app/ has the parts that need more than a few lines.
 import { Terrain, type Frame, type Place, type Scene } from '@foreland/client';
-import { addressHere, reloadAt, writeQuery } from './app/page_address';
-import { kIsPhone, kLimits, lensOf, optionsOf } from './app/asked';
+import { addressHere, linkOf, reloadAt, writeQuery } from './app/page_address';
+import { kIsPhone, kLimits, kResting, lensOf, optionsOf } from './app/asked';
 import { CardLoss } from './app/card_loss';
 import { Steering } from './app/steering';
 import { takeAddressed, takeFiles } from './app/taken_files';
+import { Tools } from './app/tools';
 import { Picture, type Shot } from './draw/picture';
 import { ColourMaps } from './ui/colour_maps';
 import { Compass } from './ui/compass';
 import { Controls } from './ui/controls';
 import type { DroppedFiles } from './ui/dropped_files';
 import { wordsOf } from './ui/failure_words';
-import { FollowControl } from './ui/follow_control';
 import { boundTo } from './ui/form';
 import { Guard } from './ui/guard';
 import { Hint } from './ui/hint';
 import { KeptAddress, queryText } from './ui/kept_address';
-import { MeasureControl } from './ui/measure_control';
 import { showNotice, type Notice } from './ui/notice';
-import { OverlayControl } from './ui/overlay_control';
 import { Panel } from './ui/panel';
 import { PredictionCheck } from './ui/prediction_check';
 import { Readout } from './ui/readout';
 import { saveFile } from './ui/save_file';
 import { SceneTime } from './ui/scene_time';
 import { kLens, type Address, type Settings, type Tour } from './ui/settings';
-import { SightControl } from './ui/sight_control';
 import type { Stage } from './ui/stage';
 import { sunDirection } from './ui/sun';
 import { Tours } from './ui/tours';
-import { WaypointControl } from './ui/waypoint_control';
 import { wordsOnMoving } from './ui/welcome_words';
 import { reasonOf } from './ui/words';
 
@@ -50,18 +46,14 @@ export class App {
   private readonly prediction = new PredictionCheck();
   private readonly colour_maps = new ColourMaps();
   private readonly tours = new Tours(byId('tours'), (tour) => this.guard.run(() => this.chooseTour(tour)));
-  private readonly steering = new Steering(new Controls(this.canvas), () => [this.tours, this.follow]);
+  private readonly steering = new Steering(new Controls(this.canvas), () => [this.tours, this.tools.follow]);
   private readonly scene_time = new SceneTime(byId('time'), (at, ms_rate) => this.terrain?.setSceneTime({ at, rate: ms_rate }));
   private readonly card_loss = new CardLoss((work) => this.guard.run(work), () => this.drawAgain());
   private readonly stage: Stage = {
     picture: () => this.picture, terrain: () => this.terrain, sceneTime: () => this.scene_time_ms, say: (text) => this.hint.show(text),
   };
-  private readonly sight = new SightControl(this.stage);
-  private readonly measure_control = new MeasureControl(byId('tools'), byId('measure'), this.stage);
-  private readonly overlays: OverlayControl;
-  private readonly follow = new FollowControl(byId('follow'), this.stage, () => this.guard.run(() => this.ask()));
   private readonly compass = new Compass(byId('compass'), () => this.guard.run(() => this.turnNorth()));
-  private readonly waypoints: WaypointControl;
+  private readonly tools: Tools;
   private readonly files: DroppedFiles;
   private readonly panel: Panel;
   private readonly settings: Settings;
@@ -85,9 +77,11 @@ export class App {
     this.panel = new Panel(byId('panel'), this.settings, this.colour_maps.names, file, boundTo(controls, 'speed_mps'),
       () => this.guard.run(() => this.applySettings()));
     controls.onSpeed = () => this.guard.run(() => this.panel.showChoices());
-    this.overlays = new OverlayControl(byId('overlays'), byId('feature'), { ...this.stage, isTaken: () => this.measure_control.isOn });
-    this.waypoints = new WaypointControl(byId('tools'), byId('waypoints'), this.stage, controls, this.follow);
-    this.files = takeFiles({ overlays: this.overlays, follow: this.follow, waypoints: this.waypoints, refuse: (title, reason) => this.refuseFile(title, reason),
+    this.tools = new Tools(byId, {
+      stage: this.stage, controls, needs_token: address.token !== null, link: () => linkOf(this.addressHere()), guide: () => this.guard.run(() => this.ask()),
+      beginFrames: () => this.guard.run(() => this.beginFrames()), endFrames: () => this.guard.run(() => this.endFrames()),
+    });
+    this.files = takeFiles({ tools: this.tools, refuse: (title, reason) => this.refuseFile(title, reason),
       addColours: (name, text) => this.guard.run(() => this.addColours(name, text)) });
     this.files.listen(file);
     this.files.listen(byId('overlay-file') as HTMLInputElement);
@@ -120,11 +114,7 @@ export class App {
       title: this.scene?.title ?? null,
       scene_time_ms: this.scene_time_ms,
       ...this.terrain?.stats,
-      ...this.sight.status(),
-      ...this.measure_control.status(),
-      ...this.overlays.status(),
-      ...this.follow.status(),
-      ...this.waypoints.status(),
+      ...this.tools.status(),
     };
   }
 
@@ -232,6 +222,7 @@ export class App {
 
   // The card was reset, and all that it held is gone. The session goes on.
   private loseCard(): void {
+    this.tools.record.cancel('the graphics card was reset.');
     this.picture.renderer.setAnimationLoop(null);
     const text = 'The picture comes back as soon as the browser can draw again.';
     notify({ kind: 'wait', title: 'The graphics card was reset', text, action: this.reloadHere() });
@@ -255,16 +246,26 @@ export class App {
     if (this.terrain) this.showTerrain(this.terrain);
     this.showColours();
     if (before.frozen_view.pose) this.freezeAt(before.frozen_view.pose);
-    this.sight.show();
-    this.measure_control.show();
-    this.follow.show();
-    void this.overlays.layOut();
+    this.tools.show();
     this.mesh = null;
     this.resize();
     if (this.scene) notify(null);
     else this.showConnecting();
     this.beginDrawing();
     ++this.card_resets;
+  }
+
+  // ---- frames that are recorded
+
+  private beginFrames(): void {
+    this.picture.renderer.setAnimationLoop(null);
+    this.terrain?.setOptions({ ...optionsOf(this.settings, false), ...kResting });
+  }
+  private endFrames(): void {
+    this.resize();
+    this.terrain?.jump();
+    this.ask();
+    this.beginDrawing();
   }
 
   // ---- what the user chooses
@@ -280,7 +281,7 @@ export class App {
     if (file) saveFile(file, 'flight.rec');
   }
   private addressHere(): URLSearchParams {
-    return addressHere(this.scene, this.steering.controls, this.tours.current !== null);
+    return addressHere(this.scene, this.steering.controls, this.settings, this.tours.current !== null);
   }
 
   private applyLook(): void {
@@ -328,15 +329,15 @@ export class App {
   }
   // Along a path that the server knows.
   private get isGuided(): boolean {
-    return this.tours.current !== null || this.follow.isGuiding;
+    return this.tours.current !== null || this.tools.follow.isGuiding;
   }
 
   private takeOver(): void {
-    this.follow.release();
+    this.tools.follow.release();
     if (this.tours.current) this.chooseTour(null);
   }
   private chooseTour(tour: Tour | null): void {
-    if (tour) this.follow.release();
+    if (tour) this.tools.follow.release();
     if (tour && this.terrain) this.tours.request(tour, this.terrain);
     else this.tours.stop();
     this.ask();
@@ -353,6 +354,7 @@ export class App {
 
   // A page that has no size, as in a frame that is hidden, keeps the lens that it had; its session waits until it has one.
   private resize(): void {
+    if (this.tools.record.isOn) return;
     const is_sized = this.picture.resize(window.innerWidth, window.innerHeight, this.address.sharpness);
     this.terrain?.setSized(is_sized);
     if (is_sized && !this.terrain) this.connect();

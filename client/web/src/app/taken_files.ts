@@ -4,23 +4,19 @@ import { kOverlayFiles, readFeatures } from '../overlay/read_overlay';
 import { runInSlices } from '../overlay/slices';
 import { kColourFiles } from '../ui/colour_maps';
 import { DroppedFiles } from '../ui/dropped_files';
-import type { FollowControl } from '../ui/follow_control';
-import type { OverlayControl } from '../ui/overlay_control';
-import type { WaypointControl } from '../ui/waypoint_control';
 import { reasonOf } from '../ui/words';
+import type { Tools } from './tools';
 
 const kFlightFiles = { names: /\.igc$/i, max_bytes: kOverlayFiles.max_bytes };
 const kWithTimes = /"(coordTimes|coordinateProperties)"/; // in GeoJSON
 
 export interface Takers {
-  overlays: OverlayControl;
-  follow: FollowControl;
-  waypoints: WaypointControl;
+  tools: Pick<Tools, 'overlays' | 'follow' | 'waypoints'>;
   addColours(name: string, text: string): void;
   refuse(title: string, reason: string): void;
 }
 
-export function takeFiles({ overlays, follow, waypoints, addColours, refuse }: Takers): DroppedFiles {
+export function takeFiles({ tools: { overlays, follow, waypoints }, addColours, refuse }: Takers): DroppedFiles {
   return new DroppedFiles([
     { ...kColourFiles, read: (name, bytes) => addColours(name.replace(/\.cpt$/i, ''), new TextDecoder().decode(bytes)),
       refuse: (_, reason) => refuse('This colour map cannot be read', reason) },

@@ -19,6 +19,7 @@ const kLongest_s = 240, kFastest = 10; // of a flight that is shown at first
 
 // What is shown of a flight at a time, for a recorder as well.
 export interface Followed {
+  time_s: number;
   journey: Journey;
   path: CameraPath;
   speed: number;
@@ -41,8 +42,8 @@ export class FollowControl {
   private at: Vector = [0, 0, 0]; // of the aircraft, in the last frame
   private readonly bar: FollowBar;
 
-  // `onGuide` is called as the camera begins to go along, or ends it.
-  constructor(root: HTMLElement, private readonly stage: Stage, private readonly onGuide: () => void) {
+  // `onGuide` is called as the camera begins to go along, or ends it; `onPath` as its path is known, or gone.
+  constructor(root: HTMLElement, private readonly stage: Stage, private readonly onGuide: () => void, private readonly onPath: () => void) {
     this.bar = new FollowBar(root, {
       play: () => this.play(!this.is_playing), seek: (time_s, is_dragged) => this.seek(time_s, is_dragged), view: (view) => void this.choose(view, this.speed),
       speed: (speed) => void this.choose(this.view, speed), close: () => this.end(),
@@ -62,7 +63,7 @@ export class FollowControl {
     return this.journey !== null && this.view !== 'free';
   }
   get followed(): Followed | null {
-    return this.journey && this.path ? { journey: this.journey, path: this.path, speed: this.speed } : null;
+    return this.journey && this.path ? { time_s: this.timeAt(performance.now()), journey: this.journey, path: this.path, speed: this.speed } : null;
   }
 
   // A file of features that has a track. An Error says what is wrong with it.
@@ -91,6 +92,10 @@ export class FollowControl {
     this.bar.show(null);
     this.stage.picture().flight_marks.show([]);
     if (was_guiding) this.onGuide();
+    this.onPath();
+  }
+  pause(): void {
+    this.play(false);
   }
   // A person steers.
   release(): void {
@@ -170,6 +175,7 @@ export class FollowControl {
     const path = await journey.pathOf(view === 'own' ? 'cockpit' : view, speed);
     if (mine !== this.made) return;
     this.path = path;
+    this.onPath();
     this.has_jumped = true;
     this.goOn(time_s);
   }
