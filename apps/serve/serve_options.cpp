@@ -26,6 +26,10 @@ void addScene(CLI::App& app, ServeFlags& flags) {
   app.add_option("--web", flags.web,
                  "directory of the page; by default the one that was built or installed with this program")
       ->type_name(folder("DIR"));
+  app.add_option("--overlay", flags.overlay,
+                 "GeoJSON, KML, KMZ, GPX or IGC that every page lays on the ground; may be repeated")
+      ->type_name(file("FILE"))
+      ->allow_extra_args(false);
   app.add_option("--threads", flags.threads, "threads that compute; 0 for one per processor")
       ->type_name(whole("N"))
       ->check(within(0, 1024))
@@ -143,6 +147,7 @@ const std::vector<Example> kExamples{
     {"a scene, at http://127.0.0.1:8080", "foreland serve hills.fls"},
     {"with TLS, for all addresses",
      "foreland serve hills.fls --listen 0.0.0.0:8443 --tls-cert cert.pem --tls-key key.pem"},
+    {"with paths and huts on its ground", "foreland serve hills.fls --overlay paths.gpx --overlay huts.geojson"},
     {"write a file of options, and use it", "foreland serve hills.fls --tau 2 --print-config > serve.toml"},
     {"", "foreland serve --config serve.toml"}};
 

@@ -17,6 +17,7 @@ struct ServeFlags {
   size_t threads = 0;  // 0: one per processor
   double tau_px = 1;
   std::string keyframe_ms = "200";
+  std::vector<std::filesystem::path> overlay;
   std::string web;  // empty for where builds and installations put it
   std::string log_level = "info", log_format = "text";
   std::string occlusion = "auto";

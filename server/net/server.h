@@ -33,7 +33,7 @@ struct ServeOptions {
   SessionOptions session;
   HostLimits limits;
   std::filesystem::path web;  // directory of the page's files; empty for no page
-  // More files by their paths in URLs: the images of the scene's models.
+  // More files by their paths in URLs: the images of the scene's models, overlays.
   std::map<std::string, std::string> files;
   GateOptions gate;
   // Of TLS on the public port; both empty for none.

@@ -30,6 +30,7 @@ import { Tours } from './ui/tours';
 import { wordsOnMoving } from './ui/welcome_words';
 import { reasonOf } from './ui/words';
 
+
 function byId(id: string): HTMLElement {
   return document.getElementById(id)!;
 }
@@ -78,11 +79,10 @@ export class App {
       () => this.guard.run(() => this.applySettings()));
     controls.onSpeed = () => this.guard.run(() => this.panel.showChoices());
     this.tools = new Tools(byId, {
-      stage: this.stage, controls, needs_token: address.token !== null, link: () => linkOf(this.addressHere()), guide: () => this.guard.run(() => this.ask()),
+      stage: this.stage, controls, refuse: (title, reason) => this.refuseFile(title, reason), needs_token: address.token !== null, link: () => linkOf(this.addressHere()), guide: () => this.guard.run(() => this.ask()),
       beginFrames: () => this.guard.run(() => this.beginFrames()), endFrames: () => this.guard.run(() => this.endFrames()),
     });
-    this.files = takeFiles({ tools: this.tools, refuse: (title, reason) => this.refuseFile(title, reason),
-      addColours: (name, text) => this.guard.run(() => this.addColours(name, text)) });
+    this.files = takeFiles({ tools: this.tools, refuse: (title, reason) => this.refuseFile(title, reason), addColours: (name, text) => this.guard.run(() => this.addColours(name, text)) });
     this.files.listen(file);
     this.files.listen(byId('overlay-file') as HTMLInputElement);
     if (address.is_recorded) this.panel.addButton('Save the recording', 'save', () => void this.saveRecording());
@@ -173,6 +173,7 @@ export class App {
     this.hint.show(wordsOnMoving(kIsPhone));
     this.kept_address.begin(queryText(this.addressHere()));
     void takeAddressed(this.files, this.address.tracks, (title, reason) => this.refuseFile(title, reason));
+    void this.tools.overlays.open(this.address.overlays);
   }
 
   private showWaiting(seconds: number, reason: string): void {

@@ -1,13 +1,11 @@
 // Which files the page takes, dropped or opened, and what becomes of each.
-import { geoJsonOfIgc } from '../follow/igc';
-import { kOverlayFiles, readFeatures } from '../overlay/read_overlay';
-import { runInSlices } from '../overlay/slices';
+import { kOverlayFiles, kOverlayKinds } from '../overlay/file_kinds';
+import { geoJsonOf } from '../overlay/geo_json';
 import { kColourFiles } from '../ui/colour_maps';
 import { DroppedFiles } from '../ui/dropped_files';
 import { reasonOf } from '../ui/words';
-import type { Tools } from './tools';
+import { kNotLaid, type Tools } from './tools';
 
-const kFlightFiles = { names: /\.igc$/i, max_bytes: kOverlayFiles.max_bytes };
 const kWithTimes = /"(coordTimes|coordinateProperties)"/; // in GeoJSON
 
 export interface Takers {
@@ -21,16 +19,11 @@ export function takeFiles({ tools: { overlays, follow, waypoints }, addColours, 
     { ...kColourFiles, read: (name, bytes) => addColours(name.replace(/\.cpt$/i, ''), new TextDecoder().decode(bytes)),
       refuse: (_, reason) => refuse('This colour map cannot be read', reason) },
     { ...kOverlayFiles, read: async (name, bytes) => {
+      const json = isTrack(name, bytes) ? geoJsonOf(name, bytes).json : null; // before a worker takes the bytes
       await overlays.add(name, bytes);
-      const json = isTrack(name, bytes) ? await runInSlices(readFeatures(name, bytes)) : null;
       if (json && !waypoints.take(json)) await follow.take(name, json, !/\.gpx$/i.test(name));
-    }, refuse: (_, reason) => refuse('This file cannot be laid on the ground', reason) },
-    { ...kFlightFiles, read: async (name, bytes) => {
-      const json = geoJsonOfIgc(name, new TextDecoder('latin1').decode(bytes));
-      await overlays.add(name, new TextEncoder().encode(JSON.stringify(json)));
-      await follow.take(name, json, true);
-    }, refuse: (_, reason) => refuse('This flight cannot be read', reason) },
-  ], (name) => refuse('This file says nothing to the page', `${name} is no colour map (.cpt), and no GeoJSON, KML, KMZ, GPX or IGC.`));
+    }, refuse: (_, reason) => refuse(kNotLaid, reason) },
+  ], (name) => refuse('This file says nothing to the page', `${name} is no colour map (.cpt), and no ${kOverlayKinds}.`));
 }
 
 function isTrack(name: string, bytes: Uint8Array): boolean {

@@ -9,11 +9,14 @@ import { SightControl } from '../ui/sight_control';
 import type { Stage } from '../ui/stage';
 import { WaypointControl } from '../ui/waypoint_control';
 
+export const kNotLaid = 'This file cannot be laid on the ground';
+
 // What they need of the page beside the stage.
 export interface ToolPage {
   stage: Stage;
   controls: Controls;
   needs_token: boolean;
+  refuse(title: string, reason: string): void; // a file
   guide(): void; // a flight takes the camera, or leaves it
   link(): string; // that leads to what is seen
   beginFrames(): void; // the page draws no more
@@ -32,7 +35,7 @@ export class Tools {
     const { stage, controls } = page, bar = byId('tools');
     this.sight = new SightControl(stage);
     this.measure = new MeasureControl(bar, byId('measure'), stage);
-    this.overlays = new OverlayControl(byId('overlays'), byId('feature'), { ...stage, isTaken: () => this.measure.isOn });
+    this.overlays = new OverlayControl(byId('overlays'), byId('feature'), { ...stage, isTaken: () => this.measure.isOn, refuse: (reason) => page.refuse(kNotLaid, reason) });
     this.follow = new FollowControl(byId('follow'), stage, () => page.guide(), () => this.record.refresh());
     this.waypoints = new WaypointControl(bar, byId('waypoints'), stage, controls, this.follow);
     const pose = () => controls.pose(stage.picture().up);
@@ -46,7 +49,7 @@ export class Tools {
     this.sight.show();
     this.measure.show();
     this.follow.show();
-    void this.overlays.layOut();
+    this.overlays.showAgain();
   }
 
   status(): Record<string, unknown> {

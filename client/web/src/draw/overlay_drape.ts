@@ -1,16 +1,9 @@
-// What is laid over the ground of files (overlay/): lines and areas as textures of the ground's shader, points as marks upon it.
-import type { Vector } from '@foreland/client';
+// What is laid over the ground of files (overlay/): lines and areas as textures of the ground's shader.
 import * as THREE from 'three';
 import type { GroundGrid } from '../overlay/ground_grid';
 
 const kRow = 2048; // texels of a texture's row: kOverlayRow of overlay.glsl
 const kMaxLevels = 16;
-const kMark_px = 11;
-
-export interface Mark {
-  point: Vector; // in the scene's axes
-  colour: readonly [number, number, number];
-}
 
 export class OverlayDrape {
   readonly uniforms = {
@@ -19,18 +12,10 @@ export class OverlayDrape {
     u_overlay_segments: { value: floatsOf(new Float32Array(4)) },
     u_overlay_styles: { value: floatsOf(new Float32Array(4)) },
     u_overlay_place: { value: new THREE.Vector4(0, 0, 1, 0) },
-    u_overlay_levels: { value: Array.from({ length: kMaxLevels }, () => new THREE.Vector3(1, 1, 0)) },
+    u_overlay_levels: { value: new Int32Array(3 * kMaxLevels).fill(1) },
     u_overlay_width_px: { value: 1 },
   };
-  readonly marks = new THREE.Points(new THREE.BufferGeometry(),
-    new THREE.PointsMaterial({ size: kMark_px, sizeAttenuation: false, vertexColors: true, transparent: true, depthTest: false, map: disc() }));
   private grid: GroundGrid | null = null;
-
-  constructor() {
-    this.marks.frustumCulled = false;
-    this.marks.visible = false;
-    this.marks.renderOrder = 9;
-  }
 
   // Null: none.
   show(grid: GroundGrid | null): void {
@@ -43,22 +28,10 @@ export class OverlayDrape {
     u.u_overlay_segments.value = floatsOf(grid?.segments ?? new Float32Array(4));
     u.u_overlay_styles.value = floatsOf(grid?.styles ?? new Float32Array(4));
     if (!grid) return;
-    grid.levels.forEach(({ columns, rows, begin }, i) => u.u_overlay_levels.value[i]!.set(columns, rows, begin));
+    grid.levels.forEach(({ columns, rows, begin }, i) => u.u_overlay_levels.value.set([columns, rows, begin], 3 * i));
     let widest_px = 0;
     for (let shape = 0; shape < grid.features.length; ++shape) widest_px = Math.max(widest_px, grid.styles[12 * shape + 8]!);
     u.u_overlay_width_px.value = 0.5 * widest_px + 1;
-  }
-
-  // From the first one on, so that floats are exact enough far from the scene's origin.
-  showMarks(marks: readonly Mark[]): void {
-    this.marks.visible = marks.length > 0;
-    this.marks.geometry.dispose();
-    this.marks.geometry = new THREE.BufferGeometry();
-    const first = marks[0]?.point;
-    if (!first) return;
-    this.marks.position.fromArray(first);
-    this.marks.geometry.setAttribute('position', new THREE.Float32BufferAttribute(marks.flatMap(({ point }) => point.map((v, i) => v - first[i]!)), 3));
-    this.marks.geometry.setAttribute('color', new THREE.Float32BufferAttribute(marks.flatMap(({ colour }) => [...colour]), 3));
   }
 
   // The frame's pivot on the lattice, from which the shader counts positions.
@@ -70,7 +43,6 @@ export class OverlayDrape {
 
   dispose(): void {
     this.show(null);
-    this.showMarks([]);
   }
 }
 
@@ -90,16 +62,4 @@ function integersOf(numbers: Uint32Array<ArrayBuffer>, per_texel: 1 | 2): THREE.
 function floatsOf(numbers: Float32Array<ArrayBuffer>): THREE.DataTexture {
   const { data, rows } = filled(numbers, 4);
   return Object.assign(new THREE.DataTexture(data, kRow, rows, THREE.RGBAFormat, THREE.FloatType), { needsUpdate: true });
-}
-
-function disc(): THREE.Texture {
-  const canvas = Object.assign(document.createElement('canvas'), { width: 32, height: 32 });
-  const context = canvas.getContext('2d')!;
-  context.fillStyle = '#fff';
-  context.strokeStyle = '#000';
-  context.lineWidth = 3;
-  context.arc(16, 16, 13, 0, 2 * Math.PI);
-  context.fill();
-  context.stroke();
-  return new THREE.CanvasTexture(canvas);
 }

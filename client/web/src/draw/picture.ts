@@ -8,6 +8,7 @@ import { FrozenView } from './frozen_view';
 import { pageMaterials } from './materials';
 import { MeasureLine } from './measure_line';
 import { OverlayDrape } from './overlay_drape';
+import { OverlayMarks } from './overlay_marks';
 import { ShadeProbe } from './shade_probe';
 import { SightLines } from './sight_lines';
 import { Sky } from './sky';
@@ -32,6 +33,7 @@ export class Picture {
   readonly flight_marks = new FlightMarks();
   readonly viewshed_drape = new ViewshedDrape();
   readonly overlay_drape = new OverlayDrape();
+  readonly overlay_marks = new OverlayMarks();
   readonly up = new THREE.Vector3(0, 0, 1); // at the camera's eye
   ground: ForelandTerrain | null = null;
   private readonly sun = new THREE.Vector3(); // towards it
@@ -47,7 +49,7 @@ export class Picture {
   constructor(private readonly canvas: HTMLCanvasElement, private readonly anisotropy: number | null) {
     this.renderer = new THREE.WebGLRenderer({ canvas, antialias: true, powerPreference: 'high-performance' });
     this.renderer.autoClear = false;
-    this.scene.add(this.sky.object, this.frozen_view.object, this.sight_lines.object, this.measure_line.object, this.overlay_drape.marks,
+    this.scene.add(this.sky.object, this.frozen_view.object, this.sight_lines.object, this.measure_line.object, this.overlay_marks.object,
       this.flight_marks.lines, this.flight_marks.aircraft);
   }
 
@@ -60,6 +62,8 @@ export class Picture {
   }
   dispose(): void {
     this.ground?.dispose();
+    this.overlay_drape.dispose();
+    this.overlay_marks.dispose();
     this.renderer.dispose();
   }
 
@@ -168,6 +172,16 @@ export class Picture {
     const { left, top, width, height } = this.canvas.getBoundingClientRect();
     const at = new THREE.Vector3((2 * (x - left)) / width - 1, 1 - (2 * (y - top)) / height, 0.5);
     return at.unproject(this.camera).sub(this.camera.position).normalize().toArray();
+  }
+
+  // Where a point of the scene is in the window, and how deep; null behind the eye.
+  pointOnScreen(point: Vector): Vector | null {
+    const { left, top, width, height } = this.canvas.getBoundingClientRect();
+    const at = new THREE.Vector3(...point).applyMatrix4(this.camera.matrixWorldInverse);
+    const depth = -at.z;
+    if (depth <= 0) return null;
+    at.applyMatrix4(this.camera.projectionMatrix);
+    return [left + (0.5 + 0.5 * at.x) * width, top + (0.5 - 0.5 * at.y) * height, depth];
   }
 
   // Metres across a pixel of the window, on a plane towards the ground that is held in the middle of the view; null where there is none.

@@ -19,6 +19,12 @@ export interface Track {
   notes: string[]; // what was left out or assumed, in words
 }
 
+// How the file's numbers are places of the scene.
+export interface TrackMap {
+  is_degrees: boolean; // longitude and latitude, or metres of a map
+  toPlace(x: number, y: number): MapPoint;
+}
+
 type Json = Record<string, unknown>;
 const isObject = (value: unknown): value is Json => typeof value === 'object' && value !== null && !Array.isArray(value);
 const listOf = (value: unknown): readonly unknown[] => (Array.isArray(value) ? value : []);
@@ -31,12 +37,12 @@ interface RawFix {
 }
 
 // All lines, one after another. Times are those of `coordTimes` or `coordinateProperties.times`, as the parsers of GPX and KML write them.
-export function trackOf(name: string, json: unknown, is_geographic: boolean): Track {
+export function trackOf(name: string, json: unknown, map: TrackMap): Track {
   const raw = linesIn(json);
   if (raw.length > kMaxFixes) throw new Error(`${name} has more than ${kMaxFixes.toLocaleString('en')} places.`);
   if (raw.length < 2) throw new Error(`${name} has no track: no line of two places at least.`);
   const notes: string[] = [];
-  const fixes = withHeights(timed(name, raw, is_geographic, notes));
+  const fixes = withHeights(timed(name, raw, map, notes));
   const first = raw.find(({ time_ms }) => time_ms !== null)?.time_ms ?? null;
   return { name, fixes, begin_ms: first, notes };
 }
@@ -68,14 +74,14 @@ function lineOf(coordinates: unknown, times: readonly unknown[]): RawFix[] {
 }
 
 // With times that ascend. Where none is written the track goes at a constant speed.
-function timed(name: string, raw: readonly RawFix[], is_geographic: boolean, notes: string[]): Fix[] {
+function timed(name: string, raw: readonly RawFix[], { is_degrees, toPlace }: TrackMap, notes: string[]): Fix[] {
   const known = raw.filter(({ time_ms }) => time_ms !== null);
   const fixes: Fix[] = [];
-  const add = ({ x, y, height_m }: RawFix, time_s: number) => fixes.push({ time_s, height_m, place: is_geographic ? { lon: x, lat: y } : { easting: x, northing: y } });
+  const add = ({ x, y, height_m }: RawFix, time_s: number) => fixes.push({ time_s, height_m, place: toPlace(x, y) });
   if (known.length < 2) {
     let along_m = 0;
     raw.forEach((fix, i) => {
-      const way_m = i === 0 ? 0 : distance_m(raw[i - 1]!, fix, is_geographic);
+      const way_m = i === 0 ? 0 : distance_m(raw[i - 1]!, fix, is_degrees);
       along_m += way_m;
       if (i === 0 || way_m > 0) add(fix, along_m / kSpeed_mps);
     });
@@ -95,8 +101,8 @@ function timed(name: string, raw: readonly RawFix[], is_geographic: boolean, not
 }
 
 // Near enough for a speed that is assumed.
-function distance_m(a: RawFix, b: RawFix, is_geographic: boolean): number {
-  if (!is_geographic) return Math.hypot(b.x - a.x, b.y - a.y);
+function distance_m(a: RawFix, b: RawFix, is_degrees: boolean): number {
+  if (!is_degrees) return Math.hypot(b.x - a.x, b.y - a.y);
   const radian = Math.PI / 180;
   return kEarth_m * radian * Math.hypot((b.x - a.x) * Math.cos(0.5 * (a.y + b.y) * radian), b.y - a.y);
 }

@@ -28,20 +28,21 @@ export interface GroundGrid {
   features: Int32Array<ArrayBuffer>; // of each shape
 }
 
-const kFinest = 512; // cells along the longer side
+const kFinest = [512, 1024] as const; // cells along the longer side, at least and at most
 const kSimpler = 16; // of a cell's side
 const kMaxItems = 1 << 22;
 const kReach = 0.5; // of a cell: how far outside of it what it has may be
 
-// A generator, for slices (slices.ts). At least one shape; about 40 bytes a vertex, at most some tens of megabytes.
-export function* buildGroundGrid(shapes: readonly GroundShape[]): Generator<void, GroundGrid> {
+// At least one shape; about 40 bytes a vertex, at most some tens of megabytes. Takes about a second for a million vertices.
+export function buildGroundGrid(shapes: readonly GroundShape[]): GroundGrid {
   const { low, size } = boxOf(shapes);
-  const cell = Math.max(size[0], size[1], 1e-3) / kFinest;
+  const vertices = shapes.reduce((sum, { parts }) => sum + parts.reduce((count, part) => count + part.length, 0), 0);
+  const cell = Math.max(size[0], size[1], 1e-3) / Math.min(Math.max(Math.ceil(2 * Math.sqrt(vertices)), kFinest[0]), kFinest[1]);
   const columns = Math.max(1, Math.ceil(size[0] / cell)), rows = Math.max(1, Math.ceil(size[1] / cell));
   const builder = new Builder(low, shapes);
   for (let level = 0; ; ++level) {
     const [across, up] = [columns, rows].map((count) => Math.ceil(count / 2 ** level)) as [number, number];
-    yield* builder.addLevel(across, up, cell * 2 ** level, level > 0);
+    builder.addLevel(across, up, cell * 2 ** level, level > 0);
     if (across === 1 && up === 1) break;
   }
   return builder.grid(low, cell);
@@ -62,7 +63,7 @@ class Builder {
 
   constructor(private readonly low: Point, private readonly shapes: readonly GroundShape[]) {}
 
-  *addLevel(columns: number, rows: number, cell: number, is_simpler: boolean): Generator<void, void> {
+  addLevel(columns: number, rows: number, cell: number, is_simpler: boolean): void {
     const level = new Level(columns, rows, cell);
     for (const [index, shape] of this.shapes.entries()) {
       level.begin(index);
@@ -73,14 +74,12 @@ class Builder {
         for (let i = 1; i < part.length; ++i) {
           level.cross(part[i - 1]!, part[i]!, this.segments.length / 4);
           this.segments.push(...part[i - 1]!, ...part[i]!);
-          if (i % 512 === 0) yield;
         }
-        yield;
       }
     }
     this.levels.push({ columns, rows, begin: this.cells.length / 2 });
     if (this.items.length + level.length > kMaxItems) throw new Error('It has too many lines and areas over one another to be drawn.');
-    yield* level.sortInto(this.cells, this.items);
+    level.sortInto(this.cells, this.items);
   }
 
   grid(origin: Point, cell: number): GroundGrid {
@@ -147,10 +146,9 @@ class Level {
   }
 
   // By cell, and within a cell as they came.
-  *sortInto(cells: Column, items: Column): Generator<void, void> {
+  sortInto(cells: Column, items: Column): void {
     const count = new Uint32Array(this.columns * this.rows);
     for (let i = 0; i < this.length; ++i) ++count[this.of_cell.at(i)]!;
-    yield;
     const next = new Uint32Array(count.length);
     let begin = items.length;
     count.forEach((n, cell) => {
@@ -158,12 +156,8 @@ class Level {
       cells.push(begin, n);
       begin += n;
     });
-    yield;
     items.grow(begin);
-    for (let i = 0; i < this.length; ++i) {
-      items.set(next[this.of_cell.at(i)]!++, this.item.at(i));
-      if (i % 65_536 === 0) yield;
-    }
+    for (let i = 0; i < this.length; ++i) items.set(next[this.of_cell.at(i)]!++, this.item.at(i));
   }
 
   private indexOf(at: number, count: number): number {

@@ -4,7 +4,7 @@ import { reasonOf } from './words';
 export interface NamedReader {
   names: RegExp;
   max_bytes: number;
-  read(name: string, bytes: Uint8Array): void | Promise<void>; // an Error says what is wrong
+  read(name: string, bytes: Uint8Array<ArrayBuffer>): void | Promise<void>; // an Error says what is wrong
   refuse(name: string, reason: string): void;
 }
 

@@ -1,11 +1,12 @@
 // Following a flight: K plays and pauses, J and L go ten seconds back and on, comma and full stop change the play speed, F the view. While the
 // camera goes along, its path is announced to the server, piece by piece, so that each frame's error is guaranteed.
-import type { Pose, Terrain, Vector } from '@foreland/client';
+import type { Pose, Scene, Terrain, Vector } from '@foreland/client';
 import { upIn } from '../follow/basis';
 import { poseOn, type CameraPath } from '../follow/camera_path';
 import { durationOf, pointAt, velocityAt } from '../follow/flight';
 import { journeyOf, type Journey } from '../follow/journey';
-import { hasTimes, trackOf } from '../follow/track';
+import { hasTimes, trackOf, type TrackMap } from '../follow/track';
+import { titleOf, toMapOf } from '../overlay/map_coordinates';
 import { FollowBar, kSpeeds, type View } from './follow_bar';
 import { isForPage, type Stage } from './stage';
 
@@ -70,7 +71,7 @@ export class FollowControl {
   async take(name: string, json: unknown, needs_times: boolean): Promise<void> {
     const terrain = this.stage.terrain();
     if (!terrain?.hasScene || (needs_times && !hasTimes(json))) return;
-    const journey = await journeyOf(terrain, trackOf(name, json, terrain.scene.frame === 'geographic'));
+    const journey = await journeyOf(terrain, trackOf(name, json, mapOf(json, terrain.scene)));
     this.begin(journey);
     this.stage.say([`${name}: K plays and pauses, J and L go back and on, F changes the view.`, ...journey.notes].join('\n'));
   }
@@ -221,4 +222,16 @@ export class FollowControl {
     event.preventDefault();
     run();
   }
+}
+
+// Files are in longitude and latitude, unless they name another system; overlays have been refused then that is not the scene's.
+function mapOf(json: unknown, { frame, crs }: Scene): TrackMap {
+  if (frame === 'geographic') return { is_degrees: true, toPlace: (lon, lat) => ({ lon, lat }) };
+  if (typeof json === 'object' && json !== null && 'crs' in json) return { is_degrees: false, toPlace: (easting, northing) => ({ easting, northing }) };
+  const toMap = toMapOf(crs);
+  if (!toMap) throw new Error(`The page cannot bring a track to the scene's map, ${titleOf(crs)}.`);
+  return { is_degrees: true, toPlace: (lon, lat) => {
+    const [easting, northing] = toMap(lon, lat);
+    return { easting, northing };
+  } };
 }

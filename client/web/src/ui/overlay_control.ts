@@ -1,32 +1,44 @@
-// Overlays by hand: files of features that are dropped on the page lie on the ground; each has a row that hides it or takes it away, and a
-// click on a feature tells what is known of it.
-import type { MapPoint, Terrain } from '@foreland/client';
-import type { Mark } from '../draw/overlay_drape';
-import type { Overlay } from '../overlay/feature';
-import { buildGroundGrid, distanceTo, type GroundShape, type Point } from '../overlay/ground_grid';
-import { readOverlay } from '../overlay/read_overlay';
+// Overlays by hand: files of features that are dropped on the page, named in its address or given by the server lie on the ground; each has
+// a row that hides it or takes it away, and a click on a feature tells what is known of it.
+import type { Terrain, Vector } from '@foreland/client';
+import type { Mark } from '../draw/overlay_marks';
+import type { Feature, Overlay, Places } from '../overlay/feature';
+import { fetchOverlay, overlaysOfServer } from '../overlay/fetch_overlay';
+import { featureAt, pointedAt } from '../overlay/find_feature';
+import { inWorker } from '../overlay/in_worker';
+import { isWithin, mapPointsOf, onLattice } from '../overlay/on_lattice';
+import type { FlatShape } from '../overlay/overlay_work';
 import { runInSlices } from '../overlay/slices';
+import { FeatureCard } from './feature_card';
+import { element } from './form';
 import { onClicks, type Stage } from './stage';
+import { reasonOf } from './words';
 
-const kNear_px = 8; // of a feature
+const kNear_px = 5; // beside a line
+const kStep_px = 4; // between places of the ground that say how it lies
+const kHeightsAtOnce = 65_536; // that a server is asked for
 
 // What it needs of the page.
 export interface OverlayStage extends Stage {
   isTaken(): boolean; // whether clicks are somebody else's now
+  refuse(reason: string): void; // tells what is wrong with a file
 }
 
 interface Shown {
   overlay: Overlay;
   is_shown: boolean;
-  places: Point[][][]; // of each feature's parts, on the lattice
+  parts: Places[][]; // of each feature, on the lattice
   marks: Mark[];
 }
 
 export class OverlayControl {
   private readonly overlays: Shown[] = [];
-  private laid = 0; // times that the ground was laid out anew
+  private readonly card: FeatureCard;
+  private asked = 0; // times that the ground was to be laid out anew
+  private laid = 0;
 
-  constructor(private readonly list: HTMLElement, private readonly card: HTMLElement, private readonly stage: OverlayStage) {
+  constructor(private readonly list: HTMLElement, card: HTMLElement, private readonly stage: OverlayStage) {
+    this.card = new FeatureCard(card);
     onClicks(stage, (event) => this.click(event));
   }
 
@@ -35,134 +47,149 @@ export class OverlayControl {
     return { overlays: this.overlays.map(({ overlay, is_shown }) => ({ name: overlay.name, features: overlay.features.length, is_shown })), overlays_laid: this.laid };
   }
 
-  // An Error says what is wrong with the file.
-  async add(name: string, bytes: Uint8Array): Promise<void> {
+  // Those of the server and those that the page's address names; once there is a scene.
+  async open(addresses: readonly string[]): Promise<void> {
+    const terrain = this.stage.terrain();
+    if (!terrain) return;
+    const named = addresses.map((text) => () => fetchOverlay(addressOf(text)));
+    const given = (await overlaysOfServer(terrain.files)).map(({ name, url }) => () => fetchOverlay(url, name));
+    for (const fetchIt of [...given, ...named]) {
+      try {
+        const { name, bytes } = await fetchIt();
+        await this.add(name, bytes);
+      } catch (error) {
+        this.stage.refuse(reasonOf(error));
+      }
+    }
+  }
+
+  // An Error says what is wrong with the file. One of the same name is replaced.
+  async add(name: string, bytes: Uint8Array<ArrayBuffer>): Promise<void> {
     const terrain = this.stage.terrain();
     if (!terrain?.hasScene) throw new Error('There is no scene yet to lay it on.');
     const { frame, crs } = terrain.scene;
-    const overlay = await runInSlices(readOverlay(name, bytes, { is_geographic: frame === 'geographic', crs }));
-    const shown: Shown = { overlay, is_shown: true, places: await runInSlices(onLattice(terrain, overlay)), marks: await marksOf(terrain, overlay) };
+    const overlay = await inWorker('read', { name, bytes, map: { is_geographic: frame === 'geographic', crs } });
+    const parts = await runInSlices(onLattice(terrain, overlay.features));
+    if (!isWithin(terrain, parts)) throw new Error(await outsideText(terrain, overlay));
+    const shown: Shown = { overlay, is_shown: true, parts, marks: await marksOf(terrain, overlay) };
     const same = this.overlays.findIndex((other) => other.overlay.name === name);
-    if (same >= 0) this.overlays.splice(same, 1, shown);
-    else this.overlays.push(shown);
-    await this.layOut();
-    this.stage.say([`${name}: ${overlay.features.length.toLocaleString('en')} features lie on the ground.`, ...overlay.notes].join('\n'));
+    this.overlays.splice(same < 0 ? this.overlays.length : same, same < 0 ? 0 : 1, shown);
+    try {
+      await this.layOut();
+    } catch (error) {
+      this.takeAway(shown);
+      throw new Error(`${name}: ${reasonOf(error)}`);
+    }
+    const count = overlay.features.length;
+    this.stage.say([`${name}: ${count.toLocaleString('en')} ${count === 1 ? 'feature lies' : 'features lie'} on the ground.`, ...overlay.notes].join('\n'));
   }
 
-  // In a picture that took another one's place as well.
-  async layOut(): Promise<void> {
+  // In a picture that took another one's place.
+  showAgain(): void {
+    if (this.overlays.length > 0) this.layOutAgain();
+  }
+
+  private async layOut(): Promise<void> {
     this.showRows();
-    const mine = ++this.laid;
-    const shapes = this.overlays.filter(({ is_shown }) => is_shown).flatMap((shown) => shapesOf(shown));
-    const grid = shapes.length > 0 ? await runInSlices(buildGroundGrid(shapes)) : null;
-    if (mine !== this.laid) return; // something else is wanted by now
-    const { overlay_drape } = this.stage.picture();
+    const mine = ++this.asked;
+    const seen = this.overlays.filter(({ is_shown }) => is_shown);
+    const shapes = seen.flatMap(shapesOf);
+    const grid = shapes.length > 0 ? await inWorker('lay', { shapes }) : null;
+    if (mine !== this.asked) return; // something else is wanted by now
+    const { overlay_drape, overlay_marks } = this.stage.picture();
     overlay_drape.show(grid);
-    overlay_drape.showMarks(this.overlays.filter(({ is_shown }) => is_shown).flatMap(({ marks }) => marks));
+    overlay_marks.show(seen.flatMap(({ marks }) => marks));
+    this.laid = mine;
+  }
+
+  private layOutAgain(): void {
+    this.card.show(null);
+    this.layOut().catch((error: unknown) => this.stage.refuse(reasonOf(error)));
+  }
+  private takeAway(shown: Shown): void {
+    this.overlays.splice(this.overlays.indexOf(shown), 1);
+    this.layOutAgain();
   }
 
   private showRows(): void {
-    this.list.replaceChildren(...this.overlays.map((shown) => {
-      const row = Object.assign(document.createElement('label'), { className: 'row switch' });
-      const title = Object.assign(document.createElement('span'), { textContent: shown.overlay.name, title: shown.overlay.name });
-      const input = Object.assign(document.createElement('input'), { type: 'checkbox', checked: shown.is_shown });
-      input.onchange = () => {
-        shown.is_shown = input.checked;
-        void this.layOut();
-      };
-      const remove = Object.assign(document.createElement('button'), { type: 'button', textContent: '\u00d7', ariaLabel: `Take ${shown.overlay.name} away` });
-      remove.onclick = () => {
-        this.overlays.splice(this.overlays.indexOf(shown), 1);
-        void this.layOut();
-      };
-      row.append(title, input, remove);
-      return row;
-    }));
+    this.list.replaceChildren(...this.overlays.map((shown) => this.rowOf(shown)));
+  }
+  private rowOf(shown: Shown): HTMLElement {
+    const { name } = shown.overlay;
+    const row = element('div', 'row switch'), label = element('label');
+    const input = Object.assign(document.createElement('input'), { type: 'checkbox', checked: shown.is_shown, ariaLabel: `Show ${name}` });
+    input.onchange = () => {
+      shown.is_shown = input.checked;
+      this.layOutAgain();
+    };
+    label.append(Object.assign(element('span'), { textContent: name, title: name }), input);
+    row.append(label, Object.assign(document.createElement('button'), { type: 'button', textContent: '\u00d7', ariaLabel: `Take ${name} away`, onclick: () => this.takeAway(shown) }));
+    return row;
   }
 
   private click(event: MouseEvent): void {
-    const picture = this.stage.picture(), terrain = this.stage.terrain();
+    const terrain = this.stage.terrain();
     if (event.shiftKey || this.stage.isTaken() || this.overlays.length === 0 || !terrain) return;
-    const lattice = (x: number, y: number) => {
-      const point = terrain.raycast(picture.eye, picture.directionAt(x, y));
-      return point && terrain.place(point)?.lattice;
-    };
-    const at = lattice(event.clientX, event.clientY), beside = lattice(event.clientX + kNear_px, event.clientY);
-    const found = at && beside ? this.find(at, Math.hypot(at[0] - beside[0], at[1] - beside[1])) : null;
-    this.showCard(found);
+    this.card.show(this.find(terrain, event.clientX, event.clientY));
   }
 
-  // The feature that is drawn last of those at a place.
-  private find(at: Point, near: number): { title: string; properties: Readonly<Record<string, string>> } | null {
-    for (const { overlay, places, is_shown } of [...this.overlays].reverse()) {
-      if (!is_shown) continue;
-      for (let i = overlay.features.length; i-- > 0;) {
-        const feature = overlay.features[i]!;
-        if (isAt(feature.kind, places[i]!, at, near)) return { title: feature.name || overlay.name, properties: feature.properties };
-      }
+  // What is drawn last of what is at a point of the window; marks stand above all else.
+  private find(terrain: Terrain, x: number, y: number): { title: string; properties: Readonly<Record<string, string>> } | null {
+    const picture = this.stage.picture();
+    const seen = this.overlays.filter(({ is_shown }) => is_shown).reverse();
+    const cardOf = ({ overlay }: Shown, { name, properties }: Feature) => ({ title: name || overlay.name, properties });
+    for (const shown of seen) {
+      const mark = picture.overlay_marks.markAt(shown.marks, x, y, (point) => picture.pointOnScreen(point), (point) => isSeen(terrain, picture.eye, point));
+      if (mark) return cardOf(shown, mark.feature);
+    }
+    const placeAt = (at_x: number, at_y: number) => {
+      const point = terrain.raycast(picture.eye, picture.directionAt(at_x, at_y));
+      return point && terrain.place(point)?.lattice;
+    };
+    const [at, right, below] = [placeAt(x, y), placeAt(x + kStep_px, y), placeAt(x, y + kStep_px)];
+    if (!at || !right || !below) return null;
+    for (const shown of seen) {
+      const feature = featureAt(shown.overlay.features, shown.parts, pointedAt(at, right, below, kStep_px), kNear_px);
+      if (feature) return cardOf(shown, feature);
     }
     return null;
   }
+}
 
-  private showCard(found: { title: string; properties: Readonly<Record<string, string>> } | null): void {
-    this.card.hidden = found === null;
-    if (!found) return;
-    const rows = Object.entries(found.properties).flatMap(([key, value]) => [
-      Object.assign(document.createElement('dt'), { textContent: key }), Object.assign(document.createElement('dd'), { textContent: value })]);
-    const list = document.createElement('dl'), close = Object.assign(document.createElement('button'), { type: 'button', textContent: '\u00d7', ariaLabel: 'Close' });
-    list.append(...rows);
-    close.onclick = () => (this.card.hidden = true);
-    const header = document.createElement('header');
-    header.append(Object.assign(document.createElement('strong'), { textContent: found.title }), close);
-    this.card.replaceChildren(header, list);
+function addressOf(text: string): URL {
+  try {
+    return new URL(text, window.location.href);
+  } catch {
+    throw new Error(`"${text}" in the page's address is no address of a file.`);
   }
 }
 
-function* onLattice(terrain: Terrain, overlay: Overlay): Generator<void, Point[][][]> {
-  const out: Point[][][] = [];
-  for (const { parts } of overlay.features) {
-    const of_feature: Point[][] = [];
-    for (const part of parts) {
-      const places: Point[] = [];
-      for (const [i, place] of part.entries()) {
-        places.push(terrain.place(terrain.toScene({ ...place, height: 0 }))!.lattice);
-        if (i % 256 === 255) yield;
-      }
-      of_feature.push(places);
-      yield;
-    }
-    out.push(of_feature);
-  }
-  return out;
+async function outsideText(terrain: Terrain, { name, features }: Overlay): Promise<string> {
+  const exchanged = features.map((feature) => ({ ...feature, parts: feature.parts.map((part) => part.map((_, i) => part[i ^ 1]!)) }));
+  const is_exchanged = terrain.scene.frame === 'geographic' && isWithin(terrain, await runInSlices(onLattice(terrain, exchanged)));
+  return is_exchanged ? `${name} lies outside of this scene: its axes seem to be exchanged, GeoJSON has longitude first.` : `${name} lies outside of this scene.`;
 }
 
-async function marksOf(terrain: Terrain, overlay: Overlay): Promise<Mark[]> {
-  const points = overlay.features.filter(({ kind }) => kind === 'point').flatMap(({ parts, style }) => parts.flat().map((place): [MapPoint, Mark['colour']] => [place, style.stroke]));
-  const kAtOnce = 65_536;
+// A mark that is drawn stands a little nearer than its place.
+function isSeen(terrain: Terrain, eye: Vector, point: Vector): boolean {
+  const way = point.map((v, i) => v - eye[i]!) as Vector, distance = Math.hypot(...way);
+  const hit = terrain.raycast(eye, way.map((v) => v / distance) as Vector);
+  return !hit || Math.hypot(...hit.map((v, i) => v - eye[i]!)) > 0.98 * distance;
+}
+
+async function marksOf(terrain: Terrain, { features }: Overlay): Promise<Mark[]> {
+  const points = features.filter(({ kind }) => kind === 'point').flatMap((feature) => feature.parts.flatMap((part) => mapPointsOf(terrain, part).map((place) => ({ place, feature }))));
   const marks: Mark[] = [];
-  for (let begin = 0; begin < points.length; begin += kAtOnce) {
-    const some = points.slice(begin, begin + kAtOnce);
-    const heights = await terrain.heights(some.map(([place]) => place));
-    some.forEach(([place, colour], i) => {
-      if (Number.isFinite(heights[i])) marks.push({ point: terrain.toScene({ ...place, height: heights[i]! }), colour });
+  for (let begin = 0; begin < points.length; begin += kHeightsAtOnce) {
+    const some = points.slice(begin, begin + kHeightsAtOnce);
+    const heights = await terrain.heights(some.map(({ place }) => place));
+    some.forEach(({ place, feature }, i) => {
+      if (Number.isFinite(heights[i])) marks.push({ point: terrain.toScene({ ...place, height: heights[i]! }), feature });
     });
   }
   return marks;
 }
 
-function shapesOf({ overlay, places }: Shown): GroundShape[] {
-  return overlay.features.flatMap(({ kind, style }, feature): GroundShape[] => (kind === 'point' ? [] : [{ kind, style, feature, parts: places[feature]! }]));
-}
-
-function isAt(kind: Overlay['features'][number]['kind'], parts: readonly (readonly Point[])[], at: Point, near: number): boolean {
-  if (kind === 'point') return parts.some((part) => part.some(([x, y]) => Math.hypot(x - at[0], y - at[1]) <= near));
-  const isNear = parts.some((part) => part.some((point, i) => i > 0 && distanceTo(at, part[i - 1]!, point) <= near));
-  if (kind === 'line' || isNear) return isNear;
-  let crossings = 0;
-  for (const ring of parts)
-    for (let i = 0; i < ring.length; ++i) {
-      const [ax, ay] = ring[i]!, [bx, by] = ring[(i + 1) % ring.length]!;
-      if (ay > at[1] !== by > at[1] && at[0] < ax + ((bx - ax) * (at[1] - ay)) / (by - ay)) ++crossings;
-    }
-  return crossings % 2 === 1;
+function shapesOf({ overlay, parts }: Shown): FlatShape[] {
+  return overlay.features.flatMap(({ kind, style }, feature): FlatShape[] => (kind === 'point' ? [] : [{ kind, style, feature, parts: parts[feature]! }]));
 }

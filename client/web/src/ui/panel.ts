@@ -154,7 +154,7 @@ export class Panel {
   // The rows of OverlayControl, and where a file is opened.
   private addOverlays(): void {
     const list = Object.assign(element('div', 'overlays'), { id: 'overlays' });
-    const file = Object.assign(document.createElement('input'), { type: 'file', id: 'overlay-file', name: 'overlay_file', multiple: true, accept: '.geojson,.json,.kml,.kmz,.gpx' });
+    const file = Object.assign(document.createElement('input'), { type: 'file', id: 'overlay-file', name: 'overlay_file', multiple: true, accept: '.geojson,.json,.kml,.kmz,.gpx,.igc' });
     this.body.append(list);
     this.form.row(this.body, 'Lay on the ground', file);
   }

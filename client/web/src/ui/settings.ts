@@ -33,6 +33,7 @@ export interface Address {
   server: string; // ws://... or wss://...
   token: string | null; // for a server that asks for one
   view: number[] | null; // x, y, z in metres, heading, pitch in degrees
+  overlays: string[]; // addresses of files that lie on the ground
   anisotropy: number | null; // of pictures; null: what the graphics card does cheaply
   sharpness: number; // most device pixels per page pixel
   tracks: readonly string[]; // addresses of files to lay on the ground and to follow
@@ -45,6 +46,8 @@ export const adapts = (settings: Settings): boolean => settings.adaptive && mayA
 
 // The bounds of adaptive keyframes, as proto::kAdaptiveInterval has them.
 export const kAdaptive_ms = { shortest: 100, longest: 1000 };
+
+const kMaxOverlays = 20;
 
 const kFov_rad = (55 * Math.PI) / 180;
 export const kLens = { fov_rad: kFov_rad };
@@ -121,6 +124,7 @@ export function readAddress(location: Location, server: string): Address {
     server,
     token,
     view: view?.length === 5 && view.every(Number.isFinite) ? view : null,
+    overlays: query.getAll('overlay').slice(0, kMaxOverlays),
     anisotropy: query.has('anisotropy') ? numberIn(query, 'anisotropy', 1, 16, 1) : null,
     sharpness: numberIn(query, 'sharpness', 0.25, 3, 2),
     tracks: query.getAll('track'),

@@ -1,5 +1,5 @@
 // Lines and areas drawn into the ground itself (overlay/ground_grid.ts), by where a pixel lies on the lattice: so they neither float nor
-// sink, whatever the section is.
+// sink, whatever the section is. Colours are those of the screen, as styles mean them: neither light nor haze changes them.
 uniform highp usampler2D u_overlay_cells;  // first item and count
 uniform highp usampler2D u_overlay_items;
 uniform highp sampler2D u_overlay_segments;
@@ -9,7 +9,7 @@ uniform ivec3 u_overlay_levels[16];  // columns, rows, first cell
 uniform float u_overlay_width_px;    // half of the widest line, and a pixel
 
 const int kOverlayRow = 2048;  // texels in a row of these textures
-const int kOverlayMost = 256;  // items that a pixel looks at
+const int kOverlayMost = 1024;  // items that a pixel looks at
 ivec2 overlayTexel(int i) {
   return ivec2(i % kOverlayRow, i / kOverlayRow);
 }
@@ -37,11 +37,11 @@ bool overlayCrosses(vec4 segment, vec2 from, vec2 to) {
 vec3 overlayDrawn(vec3 colour, int shape, bool is_inside, float nearest_px) {
   vec4 stroke = texelFetch(u_overlay_styles, overlayTexel(3 * shape), 0), fill = texelFetch(u_overlay_styles, overlayTexel(3 * shape + 1), 0);
   vec4 more = texelFetch(u_overlay_styles, overlayTexel(3 * shape + 2), 0);
-  if (is_inside) colour = mix(colour, pow(fill.rgb, vec3(2.2)), fill.a);
-  return mix(colour, pow(stroke.rgb, vec3(2.2)), stroke.a * clamp(0.5 * more.x + 0.5 - nearest_px, 0.0, 1.0) * step(1e-3, more.x));
+  if (is_inside) colour = mix(colour, fill.rgb, fill.a);
+  return mix(colour, stroke.rgb, stroke.a * clamp(0.5 * more.x + 0.5 - nearest_px, 0.0, 1.0) * step(1e-3, more.x));
 }
 
-// `dx` and `dy` are the lattice from a pixel to the next ones.
+// Over what the screen would show. `dx` and `dy` are the lattice from a pixel to the next ones.
 vec3 withOverlay(vec3 colour, vec2 lattice, vec2 dx, vec2 dy) {
   if (u_overlay_place.w < 1.0) return colour;
   vec2 at = lattice - u_overlay_place.xy, middle;

@@ -8,8 +8,7 @@ void main() {
   float facing = max(-dot(ground.normal, direction), 0.12);
   float pixel_m = max(distance_m * u_pixel_rad / sqrt(facing), 1e-4);
   vec3 colour = lit(albedoOf(ground.normal, ground.height, pixel_m, dx, dy), ground.normal, ground.sunshine);
-  colour = withOverlay(colour, v_lattice, dx, dy);
   colour = withViewshed(withContours(colour, ground.height), v_lattice);
   if (u_haze > 0.0) colour = mix(hazeColour(direction), colour, exp(-hazeAlong(distance_m)));
-  o_colour = vec4(toScreen(colour), 1.0);
+  o_colour = vec4(withOverlay(toScreen(colour), v_lattice, dx, dy), 1.0);
 }
