@@ -14,7 +14,7 @@ import type { Stage } from './stage';
 import { reasonOf } from './words';
 
 const kSizes = ['1280x720', '1920x1080', '2560x1440', '3840x2160', '1080x1920', '640x360'] as const;
-const kRates = ['24', '25', '30', '50', '60'] as const;
+const kRates = ['10', '24', '25', '30', '50', '60'] as const;
 const kLargest = 16384; // of a side, in pixels
 
 // What it needs of the page beside the stage.
