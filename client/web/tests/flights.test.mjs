@@ -7,7 +7,7 @@ import { unzipSync } from 'fflate';
 import { ALL_FORMATS, BufferSource, EncodedPacketSink, Input } from 'mediabunny';
 import { makeFolder, makeSceneOnEarth, runForeland, on_earth, openBrowser, openPage, startServer, status, until, untilTerrain } from './support.mjs';
 
-const kTest = { timeout: 180_000 };
+const kTest = { timeout: 180_000 }, kLongTest = { timeout: 300_000 };
 let folder, server, browser;
 
 before(async () => {
@@ -30,6 +30,7 @@ function gpx() {
 }
 async function visit(query, body, { width = 960, height = 640, expected, ...options } = {}) {
   const { page, complaints, close } = await openPage(browser, { width, height, ...options });
+  page.setDefaultTimeout(120_000);
   try {
     await page.goto(new URL(`?sharpness=0.25&tau=2&${query}`, server.url).href);
     await untilTerrain(page);
@@ -134,7 +135,7 @@ async function recorded(page, container, size) {
   for (const [name, value] of [['video_format', container], ['video_size', size]]) await page.locator(`[name=${name}]`).selectOption(value);
   await page.locator('[name=video_rate]').selectOption('10');
   await page.locator('[name=video_seconds]').fill('0');
-  const [file] = await Promise.all([page.waitForEvent('download', { timeout: 150_000 }), page.locator('[name=save_video]').click()]);
+  const [file] = await Promise.all([page.waitForEvent('download', { timeout: 200_000 }), page.locator('[name=save_video]').click()]);
   await until(page, (s) => !s.recording);
   const path = join(folder.folder, file.suggestedFilename());
   await file.saveAs(path);
@@ -150,7 +151,7 @@ async function standAt(page, time_s) {
   }, time_s);
 }
 
-test('a flight is recorded frame by frame, and decodes to as many frames of the size', { timeout: 240_000 }, () =>
+test('a flight is recorded frame by frame, and decodes to as many frames of the size', kLongTest, () =>
   visit('', async (page) => {
     await drop(page, 'flight.gpx', gpx());
     await standAt(page, 30);
@@ -183,7 +184,7 @@ test('a flight is recorded frame by frame, and decodes to as many frames of the 
     await until(page, (s, frames) => !s.recording && s.frames > frames, (await status(page)).frames + 2);
   }));
 
-test('the same frames are the same bytes, whatever was seen before', { timeout: 240_000 }, () =>
+test('the same frames are the same bytes, whatever was seen before', kLongTest, () =>
   visit('', async (page) => {
     await drop(page, 'flight.gpx', gpx());
     const archives = [];
