@@ -1,38 +1,35 @@
 // The page's parts and what flows between them, frame by frame: camera -> terrain -> picture -> readout. The terrain (@foreland/client) has
 // the session, the picture what is drawn; app/ has the parts that need more than a few lines.
 import { Terrain, type Frame, type Place, type Scene } from '@foreland/client';
-import { addressHere, reloadAt, writeQuery } from './app/page_address';
-import { kIsPhone, kLimits, lensOf, optionsOf } from './app/asked';
+import { addressHere, linkOf, reloadAt, writeQuery } from './app/page_address';
+import { kIsPhone, kLimits, kResting, lensOf, optionsOf } from './app/asked';
 import { CardLoss } from './app/card_loss';
 import { Steering } from './app/steering';
+import { takeAddressed, takeFiles } from './app/taken_files';
+import { Tools } from './app/tools';
 import { Picture, type Shot } from './draw/picture';
-import { kOverlayFiles, kOverlayKinds } from './overlay/file_kinds';
-import { ColourMaps, kColourFiles } from './ui/colour_maps';
+import { ColourMaps } from './ui/colour_maps';
 import { Compass } from './ui/compass';
 import { Controls } from './ui/controls';
-import { DroppedFiles } from './ui/dropped_files';
+import type { DroppedFiles } from './ui/dropped_files';
 import { wordsOf } from './ui/failure_words';
 import { boundTo } from './ui/form';
 import { Guard } from './ui/guard';
 import { Hint } from './ui/hint';
 import { KeptAddress, queryText } from './ui/kept_address';
-import { MeasureControl } from './ui/measure_control';
 import { showNotice, type Notice } from './ui/notice';
-import { OverlayControl } from './ui/overlay_control';
 import { Panel } from './ui/panel';
 import { PredictionCheck } from './ui/prediction_check';
 import { Readout } from './ui/readout';
 import { saveFile } from './ui/save_file';
 import { SceneTime } from './ui/scene_time';
 import { kLens, type Address, type Settings, type Tour } from './ui/settings';
-import { SightControl } from './ui/sight_control';
 import type { Stage } from './ui/stage';
 import { sunDirection } from './ui/sun';
 import { Tours } from './ui/tours';
 import { wordsOnMoving } from './ui/welcome_words';
 import { reasonOf } from './ui/words';
 
-const kNotLaid = 'This file cannot be laid on the ground';
 
 function byId(id: string): HTMLElement {
   return document.getElementById(id)!;
@@ -50,16 +47,15 @@ export class App {
   private readonly prediction = new PredictionCheck();
   private readonly colour_maps = new ColourMaps();
   private readonly tours = new Tours(byId('tours'), (tour) => this.guard.run(() => this.chooseTour(tour)));
-  private readonly steering = new Steering(new Controls(this.canvas), this.tours);
+  private readonly steering = new Steering(new Controls(this.canvas), () => [this.tours, this.tools.follow]);
   private readonly scene_time = new SceneTime(byId('time'), (at, ms_rate) => this.terrain?.setSceneTime({ at, rate: ms_rate }));
   private readonly card_loss = new CardLoss((work) => this.guard.run(work), () => this.drawAgain());
   private readonly stage: Stage = {
     picture: () => this.picture, terrain: () => this.terrain, sceneTime: () => this.scene_time_ms, say: (text) => this.hint.show(text),
   };
-  private readonly sight = new SightControl(this.stage);
-  private readonly measure_control = new MeasureControl(byId('tools'), byId('measure'), this.stage);
-  private readonly overlays: OverlayControl;
   private readonly compass = new Compass(byId('compass'), () => this.guard.run(() => this.turnNorth()));
+  private readonly tools: Tools;
+  private readonly files: DroppedFiles;
   private readonly panel: Panel;
   private readonly settings: Settings;
   private picture: Picture;
@@ -76,15 +72,19 @@ export class App {
   constructor(private readonly address: Address) {
     this.settings = address.settings;
     this.picture = this.newPicture();
-    this.steering.controls.onTakeOver = () => this.guard.run(() => this.tours.current && this.chooseTour(null));
+    this.steering.controls.onTakeOver = () => this.guard.run(() => this.takeOver());
     const file = document.createElement('input');
     const { controls } = this.steering;
     this.panel = new Panel(byId('panel'), this.settings, this.colour_maps.names, file, boundTo(controls, 'speed_mps'),
       () => this.guard.run(() => this.applySettings()));
     controls.onSpeed = () => this.guard.run(() => this.panel.showChoices());
-    this.overlays = new OverlayControl(byId('overlays'), byId('feature'), {
-      ...this.stage, isTaken: () => this.measure_control.isOn, refuse: (reason) => this.refuseFile(kNotLaid, reason) });
-    this.takeFiles(file);
+    this.tools = new Tools(byId, {
+      stage: this.stage, controls, refuse: (title, reason) => this.refuseFile(title, reason), needs_token: address.token !== null, link: () => linkOf(this.addressHere()), guide: () => this.guard.run(() => this.ask()),
+      beginFrames: () => this.guard.run(() => this.beginFrames()), endFrames: () => this.guard.run(() => this.endFrames()),
+    });
+    this.files = takeFiles({ tools: this.tools, refuse: (title, reason) => this.refuseFile(title, reason), addColours: (name, text) => this.guard.run(() => this.addColours(name, text)) });
+    this.files.listen(file);
+    this.files.listen(byId('overlay-file') as HTMLInputElement);
     if (address.is_recorded) this.panel.addButton('Save the recording', 'save', () => void this.saveRecording());
     else this.panel.addButton('Record a flight from here', 'record', () => this.recordFromHere());
     window.addEventListener('resize', () => this.guard.run(() => this.resize()));
@@ -114,9 +114,7 @@ export class App {
       title: this.scene?.title ?? null,
       scene_time_ms: this.scene_time_ms,
       ...this.terrain?.stats,
-      ...this.sight.status(),
-      ...this.measure_control.status(),
-      ...this.overlays.status(),
+      ...this.tools.status(),
     };
   }
 
@@ -133,7 +131,7 @@ export class App {
   private connect(): void {
     const { server, token, is_recorded } = this.address;
     const terrain = (this.terrain = Terrain.connect(server, {
-      ...optionsOf(this.settings, this.tours.current !== null), lens: lensOf(this.canvas), limits: kLimits, record: is_recorded, patienceMs: Infinity,
+      ...optionsOf(this.settings, this.isGuided), lens: lensOf(this.canvas), limits: kLimits, record: is_recorded, patienceMs: Infinity,
       ...(token === null ? {} : { token }),
     }));
     terrain.on('scene', (scene) => this.guard.run(() => this.enterScene(scene)));
@@ -174,7 +172,8 @@ export class App {
     if (!is_first) return;
     this.hint.show(wordsOnMoving(kIsPhone));
     this.kept_address.begin(queryText(this.addressHere()));
-    void this.overlays.open(this.address.overlays);
+    void takeAddressed(this.files, this.address.tracks, (title, reason) => this.refuseFile(title, reason));
+    void this.tools.overlays.open(this.address.overlays);
   }
 
   private showWaiting(seconds: number, reason: string): void {
@@ -224,6 +223,7 @@ export class App {
 
   // The card was reset, and all that it held is gone. The session goes on.
   private loseCard(): void {
+    this.tools.record.cancel('the graphics card was reset.');
     this.picture.renderer.setAnimationLoop(null);
     const text = 'The picture comes back as soon as the browser can draw again.';
     notify({ kind: 'wait', title: 'The graphics card was reset', text, action: this.reloadHere() });
@@ -247,15 +247,26 @@ export class App {
     if (this.terrain) this.showTerrain(this.terrain);
     this.showColours();
     if (before.frozen_view.pose) this.freezeAt(before.frozen_view.pose);
-    this.sight.show();
-    this.measure_control.show();
-    this.overlays.showAgain();
+    this.tools.show();
     this.mesh = null;
     this.resize();
     if (this.scene) notify(null);
     else this.showConnecting();
     this.beginDrawing();
     ++this.card_resets;
+  }
+
+  // ---- frames that are recorded
+
+  private beginFrames(): void {
+    this.picture.renderer.setAnimationLoop(null);
+    this.terrain?.setOptions({ ...optionsOf(this.settings, false), ...kResting });
+  }
+  private endFrames(): void {
+    this.resize();
+    this.terrain?.jump();
+    this.ask();
+    this.beginDrawing();
   }
 
   // ---- what the user chooses
@@ -271,7 +282,7 @@ export class App {
     if (file) saveFile(file, 'flight.rec');
   }
   private addressHere(): URLSearchParams {
-    return addressHere(this.scene, this.steering.controls, this.tours.current !== null);
+    return addressHere(this.scene, this.steering.controls, this.settings, this.tours.current !== null);
   }
 
   private applyLook(): void {
@@ -279,15 +290,6 @@ export class App {
     this.picture.setLook(this.settings, sunDirection(this.settings, this.scene));
   }
 
-  private takeFiles(colours: HTMLInputElement): void {
-    const files = new DroppedFiles([
-      { ...kColourFiles, read: (name, bytes) => this.guard.run(() => this.addColours(name.replace(/\.cpt$/i, ''), new TextDecoder().decode(bytes))),
-        refuse: (_, reason) => this.refuseFile('This colour map cannot be read', reason) },
-      { ...kOverlayFiles, read: (name, bytes) => this.overlays.add(name, bytes), refuse: (_, reason) => this.refuseFile(kNotLaid, reason) },
-    ], (name) => this.refuseFile('This file says nothing to the page', `${name} is no colour map (.cpt), and no ${kOverlayKinds}.`));
-    files.listen(colours);
-    files.listen(byId('overlay-file') as HTMLInputElement);
-  }
   private refuseFile(title: string, reason: string): void {
     notify({ kind: 'error', title, text: reason, action: { label: 'Close', run: () => notify(null) } });
   }
@@ -324,10 +326,19 @@ export class App {
     this.ask();
   }
   private ask(): void {
-    this.terrain?.setOptions(optionsOf(this.settings, this.tours.current !== null));
+    this.terrain?.setOptions(optionsOf(this.settings, this.isGuided));
+  }
+  // Along a path that the server knows.
+  private get isGuided(): boolean {
+    return this.tours.current !== null || this.tools.follow.isGuiding;
   }
 
+  private takeOver(): void {
+    this.tools.follow.release();
+    if (this.tours.current) this.chooseTour(null);
+  }
   private chooseTour(tour: Tour | null): void {
+    if (tour) this.tools.follow.release();
     if (tour && this.terrain) this.tours.request(tour, this.terrain);
     else this.tours.stop();
     this.ask();
@@ -344,13 +355,14 @@ export class App {
 
   // A page that has no size, as in a frame that is hidden, keeps the lens that it had; its session waits until it has one.
   private resize(): void {
+    if (this.tools.record.isOn) return;
     const is_sized = this.picture.resize(window.innerWidth, window.innerHeight, this.address.sharpness);
     this.terrain?.setSized(is_sized);
     if (is_sized && !this.terrain) this.connect();
   }
 
   private turnNorth(): void {
-    if (this.tours.current) this.chooseTour(null);
+    this.takeOver();
     this.steering.controls.look.heading = 0;
   }
 

@@ -3,6 +3,7 @@ import type { Frame, Place, Pose, Scene, Terrain, Vector } from '@foreland/clien
 import { ForelandTerrain } from '@foreland/client/three';
 import * as THREE from 'three';
 import { kLens, type Settings } from '../ui/settings';
+import { FlightMarks } from './flight_marks';
 import { FrozenView } from './frozen_view';
 import { pageMaterials } from './materials';
 import { MeasureLine } from './measure_line';
@@ -29,6 +30,7 @@ export class Picture {
   readonly frozen_view = new FrozenView();
   readonly sight_lines = new SightLines();
   readonly measure_line = new MeasureLine();
+  readonly flight_marks = new FlightMarks();
   readonly viewshed_drape = new ViewshedDrape();
   readonly overlay_drape = new OverlayDrape();
   readonly overlay_marks = new OverlayMarks();
@@ -47,7 +49,8 @@ export class Picture {
   constructor(private readonly canvas: HTMLCanvasElement, private readonly anisotropy: number | null) {
     this.renderer = new THREE.WebGLRenderer({ canvas, antialias: true, powerPreference: 'high-performance' });
     this.renderer.autoClear = false;
-    this.scene.add(this.sky.object, this.frozen_view.object, this.sight_lines.object, this.measure_line.object, this.overlay_marks.object);
+    this.scene.add(this.sky.object, this.frozen_view.object, this.sight_lines.object, this.measure_line.object, this.overlay_marks.object,
+      this.flight_marks.lines, this.flight_marks.aircraft);
   }
 
   // Shows a terrain; once.
@@ -113,6 +116,13 @@ export class Picture {
     return true;
   }
 
+  // In pixels of its own, whatever the window has.
+  sizeExactly(width: number, height: number): void {
+    this.renderer.setPixelRatio(1);
+    this.renderer.setSize(width, height, false);
+    this.camera.aspect = width / height;
+  }
+
   // ---- a frame
 
   // Tells the server where the camera is, and makes ready what comes. Null before there is anything to tell.
@@ -143,8 +153,7 @@ export class Picture {
     const pivot = ground!.uniforms.u_pivot!.value as THREE.Vector2;
     this.viewshed_drape.place(pivot);
     this.overlay_drape.place(pivot);
-    this.renderer.clear();
-    this.renderer.render(this.scene, camera);
+    this.flight_marks.draw(this.renderer, this.scene, camera);
     ++this.frames;
   }
 

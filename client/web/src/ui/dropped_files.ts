@@ -25,7 +25,7 @@ export class DroppedFiles {
     };
   }
 
-  private async take(file: File): Promise<void> {
+  async take(file: File): Promise<void> {
     const reader = this.readers.find(({ names }) => names.test(file.name));
     if (!reader) return this.onUnknown(file.name);
     try {
