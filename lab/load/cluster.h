@@ -22,6 +22,7 @@ struct ServerEvent {
 struct ClusterOptions {
   size_t servers = 1;
   Balance balance = Balance::kRoundRobin;
+  std::string balance_command{};      // a program in its place; empty: none
   std::vector<ServerEvent> events{};  // a server whose first one is a join is not there before
 
   // Whether the server takes viewers at the beginning.

@@ -45,6 +45,7 @@ LoadCast castOf(const LoadTours& tours, const LoadOptions& options, size_t role,
   }
   if (role == 18) {
     cast.links.down.trace = nullptr;
+    cast.links.down.carrier = nullptr;
     cast.links.down.bytes_per_second = 256e3 / 8;
   }
   if (role == 19) {

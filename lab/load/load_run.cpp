@@ -4,6 +4,7 @@
 #include <numeric>
 
 #include "base/quantile.h"
+#include "lab/external/told_link.h"
 #include "lab/load/load_simulation.h"
 #include "lab/load/named.h"
 
@@ -49,8 +50,13 @@ double LoadSimulation::fairness() const {
 }
 
 LoadRun LoadSimulation::result() const {
-  LoadRun run{
-      .options = options_, .figures = figures_, .viewers = {}, .used = {}, .lateness_ms = lateness_ms_, .cluster = {}};
+  LoadRun run{.options = options_,
+              .status = programs_.status(),
+              .figures = figures_,
+              .viewers = {},
+              .used = {},
+              .lateness_ms = lateness_ms_,
+              .cluster = {}};
   for (const auto& v : viewers_) run.viewers.push_back(v->tally);
   LoadFigures& f = run.figures;
   std::sort(run.lateness_ms.begin(), run.lateness_ms.end());
@@ -77,7 +83,16 @@ LoadRun LoadSimulation::result() const {
 }
 
 LoadRun runLoad(const std::shared_ptr<const server::World>& world, const LoadOptions& options) {
-  LoadSimulation simulation(world, options);
+  auto programs = LoadPrograms::start(options);
+  if (!programs) {
+    LoadRun failed;
+    failed.options = options;
+    failed.status = programs.error();
+    return failed;
+  }
+  LoadOptions with_links = options;
+  if (programs->link) with_links.links = toldLinks(*programs->link);
+  LoadSimulation simulation(world, with_links, *programs);
   simulation.run();
   return simulation.result();
 }

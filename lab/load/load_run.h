@@ -40,6 +40,7 @@ Result<Mix> mixNamed(const std::string& name);
 
 struct LoadOptions {
   LoadPolicy policy = LoadPolicy::kEdf;
+  std::string order_command{};  // a program in its place; empty: none
   Phases phases = Phases::kRandom;
   LoadStart start = LoadStart::kLate;
   double slack_ms = server::SessionOptions{}.slack.toMilliseconds();  // with kEarly
@@ -54,7 +55,9 @@ struct LoadOptions {
   double step_s = 5;
   double tau_px = 2, keyframe_ms = 200;
   proto::Predictor predictor = proto::Predictor::kConstantVelocity;  // of those who do not jump
+  std::string predictor_command{};                                   // a program in its place; empty: none
   sim::LinkPair links = sim::fixedLink(Duration::milliseconds(50));  // of all, but that one of 20 is slow
+  std::string link_command{};                                        // a program in their place; empty: none
   // Unless it is off viewers ask for it; the world must have what it needs.
   server::Occlusion occlusion = server::Occlusion::kOff;
   sim::ComputePrices prices{};
@@ -106,6 +109,7 @@ struct LoadFigures {
 
 struct LoadRun {
   LoadOptions options;
+  Status status{};  // an Error of a program that takes part; then nothing else here is of any use
   LoadFigures figures;
   std::vector<ViewerTally> viewers;
   std::vector<double> used;           // share of the workers' time, bin by bin

@@ -4,26 +4,14 @@
 #include <utility>
 
 #include "base/check.h"
+#include "lab/external/told_motion.h"
 
 namespace foreland::lab {
 
-namespace {
-
 using server::Session;
 
-// Servers take jobs by their deadlines; the other orders are here to be compared with that.
-Time releaseOf(const server::Due& due) { return due.release; }
-Time laxityOf(const server::Due& due) { return due.deadline - due.work; }
-
-server::JobKey keyOf(LoadPolicy policy) {
-  if (policy == LoadPolicy::kFifo) return releaseOf;
-  return policy == LoadPolicy::kLeastLaxity ? laxityOf : server::deadlineOf;
-}
-
-}  // namespace
-
-LoadSimulation::Server::Server(const LoadOptions& options, size_t bins)
-    : queues(options.queues, options.workers, keyOf(options.policy)),
+LoadSimulation::Server::Server(const LoadOptions& options, server::JobKey keyOf, size_t bins)
+    : queues(options.queues, options.workers, keyOf),
       is_free(options.workers, true),
       load(std::make_unique<server::Load>(options.workers)),
       busy_us(bins) {}
@@ -34,16 +22,23 @@ LoadSimulation::Viewer::Viewer(const LoadViewer& viewer, LightViewer::Holds hold
       up(links.up, viewer.link_seed),
       down(links.down, viewer.link_seed + 1),
       seeds(viewer.link_seed),
-      clock(viewer.clock) {}
+      clock(viewer.clock),
+      jumps(viewer.cast.flight.jump_every > Duration{}) {}
 
-LoadSimulation::LoadSimulation(std::shared_ptr<const server::World> world, const LoadOptions& options)
+LoadSimulation::LoadSimulation(std::shared_ptr<const server::World> world, const LoadOptions& options,
+                               LoadPrograms& programs)
     : world_(std::move(world)),
       options_(options),
       begin_(Time::seconds(options.run_in_s)),
       end_(begin_ + Duration::seconds(options.seconds)),
+      programs_(programs),
+      order_(programs.order ? toldOrder(*programs.order) : makeOrder(options.policy)),
+      balancer_(programs.balance ? toldBalancer(*programs.balance) : makeBalancer(options.cluster.balance, balancing_)),
       balancing_(options.seed + 1) {
+  if (programs.predictor)
+    foresee_ = [motion = std::make_shared<ToldMotion>(*programs.predictor)] { return motion->next(); };
   const size_t bins = static_cast<size_t>((end_ - begin_).us / kUtilisationBin.us) + 1;
-  for (size_t s = 0; s < options.cluster.servers; ++s) servers_.emplace_back(options, bins);
+  for (size_t s = 0; s < options.cluster.servers; ++s) servers_.emplace_back(options, order_->key(), bins);
   if (options.start == LoadStart::kEarly) session_options_.max_early = Duration::seconds(0.5e-3 * options.keyframe_ms);
   session_options_.occlusion = options.occlusion;
   session_options_.slack = Duration::seconds(1e-3 * options.slack_ms);
@@ -63,7 +58,7 @@ void LoadSimulation::addViewers(const std::shared_ptr<const server::World>& worl
 }
 
 void LoadSimulation::run() {
-  while (!events_.empty() && events_.top().at <= end_) {
+  while (!events_.empty() && events_.top().at <= end_ && programs_.status().ok()) {
     const Event event = events_.top();
     events_.pop();
     now_ = std::max(now_, event.at);
@@ -151,7 +146,7 @@ void LoadSimulation::schedule(size_t i) {
   const auto due = v.session->due();
   if (!due) return;
   server::Due job{due->release, due->deadline, due->is_costly, due->work, due->earliest};
-  if (options_.policy == LoadPolicy::kFair) job.deadline = job.deadline + v.deficit.wait(share());
+  order_->place(job, {i, v.deficit, share()}, now_);
   v.ticket = queues.add(i, job, [this, i](size_t worker) { step(i, worker); });
   v.is_queued = true;
 }

@@ -116,6 +116,9 @@ Status checkRealCluster(const ClusterOptions& cluster) {
 }  // namespace
 
 Status checkReal(const LoadOptions& options) {
+  if (!(options.order_command.empty() && options.cluster.balance_command.empty() && options.predictor_command.empty() &&
+        options.link_command.empty()))
+    return Error{ErrorCode::kInvalidArgument, "in real time no program takes part by --...-command"};
   if (Status s = checkRealCluster(options.cluster); !s.ok()) return s;
   if (options.policy != LoadPolicy::kFair) return refuse("the policy is fair");
   if (options.start != LoadStart::kEarly) return refuse("starts are early");
