@@ -223,6 +223,19 @@ void addClusterOptions(CLI::App& sub, lab::LoadRequest& request) {
   add("--join", request.joins, "a server is added, or is there again")->type_name(text("SERVER@SECONDS"));
 }
 
+void addDisturbances(CLI::App& sub, lab::LoadRequest& request) {
+  sub.add_option("--neighbour", request.base.neighbour,
+                 "somebody else takes this share of the processors' time, in the first half second of each two")
+      ->type_name(number("SHARE"))
+      ->check(within(0.0, 0.95))
+      ->capture_default_str();
+  sub.add_option("--crowd-jump", request.base.crowd_jump_s,
+                 "all viewers jump elsewhere each so many seconds, within one keyframe interval; 0: never")
+      ->type_name(number("S"))
+      ->check(within(0.0, 3600.0))
+      ->capture_default_str();
+}
+
 void addTimeOptions(CLI::App& sub, lab::LoadRequest& request) {
   sub.add_option("--seconds", request.base.seconds, "measured")
       ->type_name(number("S"))
@@ -262,6 +275,7 @@ CLI::App* addLoad(CLI::App& app, LoadArguments& args) {
   addComparedOptions(*sub, args.request);
   addClusterOptions(*sub, args.request);
   addTimeOptions(*sub, args.request);
+  addDisturbances(*sub, args.request);
   sub->add_flag_callback(
       "--most-viewers", [&args] { args.search = Search::kMaxViewers; },
       "find the largest number of viewers with under 0.1 % missed, for each run");
@@ -291,6 +305,8 @@ Result<lab::LoadRequest> requestOf(const LoadArguments& args) {
                  "--predictor '" + args.predictor + "': choose one of " + proto::predictorNames()};
   if (*predictor == proto::Predictor::kKnownPath && request.base.cluster.servers > 1)
     return Error{ErrorCode::kInvalidArgument, "--predictor path: viewers of several servers announce no path"};
+  if (*predictor == proto::Predictor::kKnownPath && request.base.crowd_jump_s > 0)
+    return Error{ErrorCode::kInvalidArgument, "--predictor path: a crowd that jumps (--crowd-jump) announces no path"};
   if (args.in_time == InTime::kBoth) {
     if (request.policies.empty()) request.policies = {"fair"};
     if (request.phases.empty()) request.phases = {"staggered"};
@@ -359,6 +375,8 @@ Result<nlohmann::ordered_json> load(const LoadArguments& args) {
                 {"run_in_s", request.base.run_in_s},
                 {"before_step", request.base.before_step},
                 {"step_s", request.base.step_s},
+                {"neighbour", request.base.neighbour},
+                {"crowd_jump_s", request.base.crowd_jump_s},
                 {"tau_px", request.base.tau_px},
                 {"keyframe_ms", request.base.keyframe_ms}});
   if (request.base.cluster.servers > 1)

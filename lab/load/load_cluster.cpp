@@ -40,7 +40,7 @@ void LoadSimulation::connect(size_t i) {
     ++turn_;
   }
   session_options_.occlusion_rank = server::OcclusionControl::rankOf(i);
-  session_options_.foresee = v.jumps ? nullptr : foresee_;
+  session_options_.foresee = v.is_jumper ? nullptr : foresee_;
   v.session = std::make_unique<server::Session>(world_, session_options_);
   servers_[v.server].load->addViewer();
   v.session->setProcessors(server::Processors::kFree, servers_[v.server].load->occlusionShare());

@@ -23,7 +23,7 @@ LoadSimulation::Viewer::Viewer(const LoadViewer& viewer, LightViewer::Holds hold
       down(links.down, viewer.link_seed + 1),
       seeds(viewer.link_seed),
       clock(viewer.clock),
-      jumps(viewer.cast.flight.jump_every > Duration{}) {}
+      is_jumper(viewer.cast.is_jumper) {}
 
 LoadSimulation::LoadSimulation(std::shared_ptr<const server::World> world, const LoadOptions& options,
                                LoadPrograms& programs)
@@ -42,6 +42,7 @@ LoadSimulation::LoadSimulation(std::shared_ptr<const server::World> world, const
   if (options.start == LoadStart::kEarly) session_options_.max_early = Duration::seconds(0.5e-3 * options.keyframe_ms);
   session_options_.occlusion = options.occlusion;
   session_options_.slack = Duration::seconds(1e-3 * options.slack_ms);
+  due_us_.resize(static_cast<size_t>(1e3 * options.seconds / options.keyframe_ms + 1e-9));
   addViewers(world_);
   if (isCluster()) addClusterEvents();
 }
@@ -198,9 +199,10 @@ void LoadSimulation::step(size_t i, size_t worker) {
   for (const Bytes& message : v.out) bytes += message.size();
   const sim::StepWork work = sim::StepWork::between(before, *v.session, bytes);
   v.is_keyframe = work.keyframes > 0;
-  v.work = options_.prices.of(work);
+  v.work = slowed(options_.prices.of(work));
   if (v.is_keyframe && due) server.load->addWait(now_ - due->release);
   if (before.keyframes > 0) v.used_s += v.work.toSeconds();
+  noteDue(due ? due->release : now_, v.work);
   if (isMeasured()) {
     figures_.skipped += v.session->statistics().skipped_keyframes - before.skipped_keyframes;
     figures_.ahead_mean_ms += v.is_keyframe && v.has_deadline ? (v.deadline - now_).toMilliseconds() : 0;
@@ -237,11 +239,24 @@ void LoadSimulation::count(Viewer& v) {
   v.in_time += is_in_time;
   if (isCluster()) in_time_[static_cast<size_t>((now_ - begin_).us / kClusterBin.us)] += is_in_time;
   figures_.at_once += !v.has_deadline;
+  if (!v.has_deadline) at_once_ms_.push_back((now_ - v.deadline).toMilliseconds());
   if (!v.has_deadline) return;
   ++figures_.keyframes;
   figures_.missed += now_ > v.deadline;
   lateness_ms_.push_back((now_ - v.deadline).toMilliseconds());
   work_ms_.push_back(v.work.toMilliseconds());
+}
+
+// What is begun while the neighbour is there takes longer; a step is short beside that time.
+Duration LoadSimulation::slowed(Duration work) const {
+  const bool is_beside = now_ >= begin_ && (now_ - begin_).us % kNeighbourEvery.us < kNeighbourFor.us;
+  return is_beside ? Duration::seconds(work.toSeconds() / (1 - options_.neighbour)) : work;
+}
+
+void LoadSimulation::noteDue(Time due, Duration work) {
+  if (due < begin_) return;
+  const auto interval = static_cast<size_t>((due - begin_).toMilliseconds() / options_.keyframe_ms);
+  if (interval < due_us_.size()) due_us_[interval] += work.us;
 }
 
 void LoadSimulation::use(Server& server, Time from, Time to) {

@@ -53,7 +53,7 @@ class LoadSimulation {
     sim::Link up, down;
     Rng seeds;
     Duration clock;  // the viewer's less the server's
-    bool jumps;
+    bool is_jumper;
     ViewerTally tally;
 
     // Of the connection; `session` is null while there is none.
@@ -149,6 +149,9 @@ class LoadSimulation {
   double share() const;
   bool isMeasured() const { return now_ >= begin_ && now_ < end_; }
   double fairness() const;
+  void addVariability(LoadFigures& figures) const;
+  Duration slowed(Duration work) const;
+  void noteDue(Time due, Duration work);
   void addClusterResult(LoadRun& run) const;
 
   std::shared_ptr<const server::World> world_;
@@ -175,7 +178,8 @@ class LoadSimulation {
   std::vector<uint64_t> in_time_;  // keyframes, by kClusterBin
   std::vector<ServerLook> looks_taken_;
 
-  std::vector<double> lateness_ms_, work_ms_;
+  std::vector<double> lateness_ms_, work_ms_, at_once_ms_;
+  std::vector<int64_t> due_us_;  // work by the whole keyframe interval in which it falls due
   sim::StepWork work_;
   LoadFigures figures_;
 };
