@@ -40,7 +40,9 @@ std::string keyframesCsv(const CellFlight& flight) {
     table.cell("bytes", std::to_string(k.bytes));
     table.cell("lateness_ms", rounded(k.lateness_ms));
     table.cell("compute_ms", rounded(k.compute_ms));
-    k.work.fields([&](const char* field, uint64_t value) { table.cell(field, std::to_string(value)); });
+    k.work.fields([&](const std::string& field, uint64_t value) {
+      table.cell(field == "bytes" ? "work_bytes" : field, std::to_string(value));  // a column has one meaning
+    });
     table.end();
   }
   return table.text();
