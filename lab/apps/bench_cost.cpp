@@ -1,9 +1,9 @@
 #include "lab/apps/bench_cost.h"
 
+#include <toml++/toml.h>
 #include <array>
 #include <cmath>
 #include <cstdio>
-#include <toml++/toml.h>
 
 #include "apps/options/options.h"
 #include "lab/cost.h"

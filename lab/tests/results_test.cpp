@@ -100,9 +100,10 @@ class Results : public testing::Test {
       const std::vector<std::string> cells = cellsOf(line);
       ASSERT_EQ(cells.size(), header.size()) << table << ": " << line;
       for (size_t i = 0; i < cells.size(); ++i)
-        if (columns.contains(header[i]))
+        if (columns.contains(header[i])) {
           EXPECT_TRUE(isOf(columns.at(header[i]), cells[i]))
               << header[i] << " of " << table << ", row " << row << ": '" << cells[i] << "'";
+        }
     }
   }
 
