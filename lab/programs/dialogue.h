@@ -13,7 +13,7 @@ namespace foreland::lab {
 
 class Dialogue {
  public:
-  static constexpr Duration kPatience = Duration::seconds(10);
+  static constexpr Duration kPatience = Duration::seconds(30);
   static constexpr size_t kMaxAnswerBytes = 1 << 20;
 
   // Starts the command: a program, which is looked for in PATH if its name has no slash, and its arguments, with spaces
