@@ -117,8 +117,8 @@ TEST_F(Results, HaveTheColumnsOfTheDictionary) {
   run({"latency", scene_, "--seconds", "1", "--width", "160", "--height", "90", "--strategies", "predict,current",
        "--predictors", "velocity", "--round-trips", "50", "--out", latency});
   run({"load", scene_, "--viewers", "2,4", "--seconds", "1", "--policies", "edf", "--phases", "random", "--out", load});
-  run({"load", scene_, "--viewers", "4,6", "--servers", "2", "--balance", "migrate", "--seconds", "2", "--fail", "1@0.5",
-       "--out", servers});
+  run({"load", scene_, "--viewers", "4,6", "--servers", "2", "--balance", "migrate", "--seconds", "2", "--fail",
+       "1@0.5", "--out", servers});
   run({"tiles", scene_, "--seconds", "2", "--width", "160", "--height", "90", "--out", tiles});
   run({"cost", tiles});
   auto unseen = dictionary();
