@@ -41,6 +41,7 @@ if(FORELAND_LAB)
   list(APPEND packages lab)
   foreland_install_subcommands(lab/apps lab)
   install(DIRECTORY lab/experiments DESTINATION ${data_dir}/lab COMPONENT lab)
+  install(FILES lab/prices.toml DESTINATION ${data_dir}/lab COMPONENT lab)
   install(FILES lab/README.md DESTINATION ${doc_dir}/foreland-lab COMPONENT lab)
 endif()
 

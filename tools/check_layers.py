@@ -95,12 +95,13 @@ SEES["lab/wire/peers"] = ["base", "lab/programs"]  # other makers' mesh codecs, 
 LAB_ROOMS = ["lab/programs", "lab/wire/peers", "lab"]
 SEES["lab"] = [*PRODUCT, "sim", "apps", *LAB_ROOMS[:-1]]
 SEES["lab/proxy"] = [*SEES["lab"], "lab"]  # the links of the world in virtual time, for real connections
+SEES["lab/external"] = ["base", "proto/topology", "proto/space", "server/view", "server/sched", "sim", "lab/programs"]  # programs of the user's
 for room in ("lab/animated", "lab/drape", "lab/latency", "lab/load", "lab/tiles"):
-    SEES[room] = [*SEES["lab"], "lab"]
+    SEES[room] = [*SEES["lab"], "lab", "lab/external"]
 SEES["lab/load"] = [*SEES["lab/load"], "lab/proxy"]
 SEES["lab/report"] = ["base", "lab/programs", "lab"]  # knows the tables alone
 SEES["lab/rivals"] = [*PROTO, "terrain", *STORE, "lab/programs"]  # the ground and a path, for other makers' viewers
-LAB_ROOMS += ["lab/proxy", "lab/animated", "lab/drape", "lab/latency", "lab/load", "lab/tiles", "lab/report", "lab/rivals"]
+LAB_ROOMS += ["lab/external", "lab/proxy", "lab/animated", "lab/drape", "lab/latency", "lab/load", "lab/tiles", "lab/report", "lab/rivals"]
 SEES["lab/apps"] = [*PRODUCT, "sim", "apps", *LAB_ROOMS]
 SEES["tests/support"] = [*PRODUCT, "sim"]
 SEES["tests"] = [*PRODUCT, "sim", "apps", "tests/support"]
@@ -134,7 +135,7 @@ THIRD_PARTY = [
 ]
 
 CLOCK = re.compile(r"\b(steady_clock|system_clock|high_resolution_clock|clock_gettime|gettimeofday|std::time\s*\()|<ctime>")
-CLOCK_ROOMS = ["server/net", "client/c", "client/fly", "client/fly/net", "sim", "lab/load", *EDGES]  # sim: to time its steps; lab/load: for runs in real time
+CLOCK_ROOMS = ["server/net", "client/c", "client/fly", "client/fly/net", "sim", "lab/load", "lab/programs", *EDGES]  # sim: to time its steps; lab/load: for runs in real time; lab/programs: for answers that do not come
 
 # Rooms of the client's package in TypeScript, and what each may import; `three` is the library. Only the worker's entry knows Node.
 SCRIPT_SEES = {
