@@ -90,6 +90,8 @@ void unwrap(const Tile& first, Tile& tile) {
 
 }  // namespace
 
+bool isOnOneLattice(const Tile& first, const Tile& tile) { return checkCompatible(first, tile).ok(); }
+
 Result<Mosaic> makeMosaic(std::vector<Tile> tiles) {
   Mosaic out;
   out.tiles = std::move(tiles);
