@@ -364,7 +364,11 @@ Result<std::unique_ptr<ElevationSource>> layeredSource(Mosaic mosaic, std::vecto
   auto samples = readBase(std::move(base), *info, warnings);
   if (!samples.ok()) return samples.error();
   stack.base = std::move(*samples);
-  if (stack.below > 0) stack.base_weights = featherWeights(stack.base, spacing_m, placed->front().feather_m);
+  if (stack.below > 0) {
+    const double feather_m = placed->front().feather_m;
+    stack.base_weights = featherWeights(stack.base, spacing_m, feather_m);
+    for (ElevationInput& input : info->inputs) input.feather_m = feather_m;
+  }
   auto source =
       std::make_unique<LayeredSource>(std::move(stack), std::move(*placed), std::move(*info), std::move(warnings));
   if (Status s = source->refine(options, name); !s.ok()) return s.error();
