@@ -16,7 +16,8 @@ namespace {
 
 bool isUnder(const std::vector<proto::LatticeWindow>& windows, glm::dvec2 p) {
   return std::ranges::any_of(windows, [&](const proto::LatticeWindow& w) {
-    return p.x > w.x - 1.0 && p.y > w.y - 1.0 && p.x < double{w.x} + w.width && p.y < double{w.y} + w.height;
+    const glm::dvec2 low(w.x, w.y), high = low + glm::dvec2(w.width, w.height);
+    return p.x > low.x - 1 && p.y > low.y - 1 && p.x < high.x && p.y < high.y;
   });
 }
 

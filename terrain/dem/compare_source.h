@@ -23,7 +23,7 @@ struct LatticeHeights {
 
 // Where a raster of the file alone counts in the scene, as the scene states it.
 struct SourceExtent {
-  std::vector<proto::LatticeWindow> above;  // of what lies over it, lattice samples
+  std::vector<proto::LatticeWindow> above{};  // of what lies over it, lattice samples
   double feather_m = 0;
 };
 

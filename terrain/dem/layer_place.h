@@ -1,6 +1,7 @@
 // Tiles of one grid that are laid on a lattice together, and where they are on it. One thread.
 #pragma once
 
+#include <cmath>
 #include <glm/vec2.hpp>
 #include <optional>
 #include <string>
@@ -28,7 +29,8 @@ struct LayerPlace {
   bool meets_lattice = false;
   glm::dvec2 spacing{1, 1};  // lattice steps that its columns and rows are apart, in the middle of what lies on it
 
-  double resolution() const { return std::min(spacing.x, spacing.y); }
+  // The root of the area, in lattice cells, that is a sample's: maps stretch one axis.
+  double resolution() const { return std::sqrt(spacing.x * spacing.y); }
 };
 
 Result<LayerPlace> placeLayer(const TileGroup& group, const LatticePlace& lattice);
