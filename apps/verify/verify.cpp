@@ -156,8 +156,7 @@ int main(int argc, char** argv) {
       ->type_name(apps::whole("N"))
       ->check(apps::within(0u, 1024u))
       ->capture_default_str();
-  if (const auto exit_code =
-          apps::parseCommandLine(
+  if (const auto exit_code = apps::parseCommandLine(
           app, argc, argv,
           {{"whether a scene is sound", "foreland verify hills.fls"},
            {"and as close to a survey as it states", "foreland verify alps.fls --source survey.tif"}}))

@@ -40,10 +40,11 @@ Result<size_t> indexOf(const terrain::Scene& scene, const std::string& name) {
   const auto& inputs = scene.inputs();
   const auto input = std::ranges::find(inputs, name, &terrain::SceneInput::name);
   if (input != inputs.end()) return static_cast<size_t>(input - inputs.begin());
-  return Error{ErrorCode::kInvalidArgument,
-               name + (inputs.empty() ? ": the scene does not state its inputs, as those of one grid without a datum do "
-                                        "not; their heights are the samples'"
-                                      : ": the scene names no such input; see foreland info")};
+  return Error{
+      ErrorCode::kInvalidArgument,
+      name + (inputs.empty() ? ": the scene does not state its inputs, as those of one grid without a datum do "
+                               "not; their heights are the samples'"
+                             : ": the scene names no such input; see foreland info")};
 }
 
 Result<terrain::SourceExtent> extentIn(const terrain::Scene& scene, const std::string& name) {

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <ranges>
+#include <glm/common.hpp>
 #include <tuple>
 #include <utility>
 
@@ -279,7 +279,8 @@ void LayeredSource::refineInfo(int depth) {
   info_.vertical.undulations.first *= times;
   info_.vertical.undulations.step *= times;
   const auto refine = [&](std::vector<ElevationInput>& inputs) {
-    for (proto::LatticeWindow& w : inputs | std::views::transform(&ElevationInput::window)) {
+    for (ElevationInput& input : inputs) {
+      proto::LatticeWindow& w = input.window;
       w.x <<= depth, w.y <<= depth;
       w.width = ((w.width - 1) << depth) + 1, w.height = ((w.height - 1) << depth) + 1;
     }

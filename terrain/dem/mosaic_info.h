@@ -1,6 +1,7 @@
 // What a mosaic says of itself as an elevation source. One thread.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "terrain/dem/insets/layer_stack.h"
@@ -35,7 +36,6 @@ class RefinedTiles {
     int depth = 0;
     std::vector<float> metres;
   };
-  struct Comparison;
 
   RefinedWindow windowOf(glm::uvec2 tile) const;
   bool isReached(const RefinedWindow& window) const;

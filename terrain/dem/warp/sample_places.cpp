@@ -3,6 +3,7 @@
 #include <ogr_srs_api.h>
 
 #include <cmath>
+#include <glm/common.hpp>
 #include <limits>
 #include <numbers>
 #include <utility>

@@ -1,5 +1,6 @@
-// Rasters of other grids over a base: nothing changes where they tell the same, priorities, voids and feathers, the base
-// as bisection draws it, and residuals against an oracle of its own (PROJ and bilinear sums, no code of terrain/dem).
+// Rasters of other grids over a base: nothing changes where they tell the same, priorities, voids and feathers, the
+// base as bisection draws it, and residuals against an oracle of its own (PROJ and bilinear sums, no code of
+// terrain/dem).
 #include <gdal.h>
 #include <gtest/gtest.h>
 #include <ogr_srs_api.h>
@@ -123,8 +124,7 @@ TEST_F(Insets, EqualToTheBaseChangeNothing) {
   const std::string base = file("base.tif", base_field);
   Field part = base_field;
   part.west += 5 * part.step, part.north -= 7 * part.step, part.columns = 20, part.rows = 15;
-  const Ground plain = ground({base}),
-               same = ground({base}, {.insets = {{base, 0}, {file("part.tif", part), 0}}});
+  const Ground plain = ground({base}), same = ground({base}, {.insets = {{base, 0}, {file("part.tif", part), 0}}});
   EXPECT_EQ(plain.metres, same.metres);
   EXPECT_EQ(plain.info.frame, same.info.frame);
   ASSERT_EQ(same.info.inputs.size(), 3u);
@@ -195,8 +195,8 @@ TEST_F(Insets, FeathersLeaveNoCliff) {
   double largest_m = 0, highest_m = 0;
   for (uint32_t y = 0; y + 1 < g.info.height; ++y)
     for (uint32_t x = 0; x + 1 < g.info.width; ++x) {
-      largest_m = std::max({largest_m, std::fabs(double{g.at(x + 1, y)} - g.at(x, y)),
-                            std::fabs(double{g.at(x, y + 1)} - g.at(x, y))});
+      largest_m = std::max(
+          {largest_m, std::fabs(double{g.at(x + 1, y)} - g.at(x, y)), std::fabs(double{g.at(x, y + 1)} - g.at(x, y))});
       highest_m = std::max(highest_m, double{g.at(x, y)});
     }
   // Smoothstep is at most 1.5 times as steep as a ramp; what is bilinear between the inset's samples is no steeper.
@@ -243,7 +243,12 @@ double differenceInDegrees(const Ground& g, const Field& survey, int edge) {
 
 class InsetsInDegrees : public Insets {
  protected:
-  Field degrees{.crs = "EPSG:4326", .west = 8.99, .north = 46.51, .step = 1 / 1200.0, .columns = 40, .rows = 30,
+  Field degrees{.crs = "EPSG:4326",
+                .west = 8.99,
+                .north = 46.51,
+                .step = 1 / 1200.0,
+                .columns = 40,
+                .rows = 30,
                 .height = flat(600)};
   Field survey{.west = 500300, .north = 5149700, .step = 10, .columns = 120, .rows = 100, .height = hills};
 };
@@ -254,8 +259,8 @@ TEST_F(InsetsInDegrees, StatedResidualsHoldAgainstAnOracle) {
     const Ground g = ground({base}, {.insets = {{fine_file, 0}}, .feather_m = 50, .residual_m = residual_m});
     ASSERT_EQ(g.info.inputs.size(), 2u);
     const double stated_m = g.info.inputs.front().residual_m,
-                 found_m = differenceInDegrees(g, survey, 5 + static_cast<int>(2 * g.info.frame.latitude_step_rad *
-                                                                              6371000 / survey.step) + 2);
+                 found_m = differenceInDegrees(
+                     g, survey, 5 + static_cast<int>(2 * g.info.frame.latitude_step_rad * 6371000 / survey.step) + 2);
     EXPECT_GE(stated_m + 1e-4, found_m);
     EXPECT_GT(found_m, 0.2 * stated_m) << "it is not stated idly";
     EXPECT_LT(stated_m, residual_m.value_or(1.0));
@@ -275,9 +280,8 @@ TEST_F(InsetsInDegrees, TheLatticeIsAsFineAsTheResidualAsks) {
 TEST_F(InsetsInDegrees, SourcesAreAsCloseAsIsStatedAndNotWhereOthersCount) {
   const std::string base = file("base.tif", degrees), fine_file = file("survey.tif", survey);
   const Ground g = ground({base}, {.insets = {{fine_file, 0}}, .feather_m = 50});
-  const LatticeHeights heights{
-      {g.info.frame, g.info.width, g.info.height, g.info.crs_wkt, "scene"},
-      [&](uint32_t x, uint32_t y) { return double{g.at(x, y)}; }};
+  const LatticeHeights heights{{g.info.frame, g.info.width, g.info.height, g.info.crs_wkt, "scene"},
+                               [&](uint32_t x, uint32_t y) { return double{g.at(x, y)}; }};
   OpenOptions open;
   open.is_fenced = false;
   for (const ElevationInput& input : g.info.inputs) {
@@ -302,7 +306,8 @@ TEST_F(Insets, InputsOfDifferentGridsAreLaidOut) {
     for (uint32_t x = 0; x < g.info.width - 3; x += 5) {
       const double map_x = base_field.west + 15.0 * x, map_y = base_field.north - 15.0 * (g.info.height - 1 - y);
       if (map_x > east.west + 20 && map_y > east.north - 15.0 * 30 && map_y < east.north - 20) {
- ASSERT_NEAR(g.at(x, y), hills(map_x, map_y), 1.0) << x << ' ' << y; }
+        ASSERT_NEAR(g.at(x, y), hills(map_x, map_y), 1.0) << x << ' ' << y;
+      }
     }
 }
 
