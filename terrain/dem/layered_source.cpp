@@ -308,10 +308,10 @@ void LayeredSource::describeLayers(const OpenOptions& options) {
                            *residual.largest_m, residual.samples)
              : std::string("nowhere does it count alone")));
     if (options.residual_m && residual.largest_m.value_or(0) > *options.residual_m)
-      warnings_.push_back(
-          fmt::format("{}: the scene is up to {:.3g} m off its samples, more than --residual {:g}; a finer "
-                      "lattice would be more than {} times as fine as they are",
-                      name, *residual.largest_m, *options.residual_m, 1 << kFinerThanInsets));
+      warnings_.push_back(fmt::format(
+          "{}: the scene is up to {:.3g} m off its samples, more than the {:g} m that were asked for; a finer "
+          "lattice would be more than {} times as fine as they are",
+          name, *residual.largest_m, *options.residual_m, 1 << kFinerThanInsets));
     if (i + 1 == stack_.below) inputs.insert(inputs.end(), info_.inputs.begin(), info_.inputs.end());
     inputs.insert(inputs.end(), g.inputs.begin(), g.inputs.end());
   }

@@ -14,14 +14,18 @@ namespace foreland::terrain {
 
 namespace {
 
-// The tiles that are not on the lattice of the first one. Without positions nothing can be laid over it, which the
-// mosaic says.
+// Whether both say where they are, on maps that can be related.
+bool isPlacedAlike(const Tile& a, const Tile& b) {
+  return a.map.has_transform && b.map.has_transform && a.map.crs_wkt.empty() == b.map.crs_wkt.empty();
+}
+
+// The tiles that are not on the lattice of the first one. What has no position, or alone no reference system, cannot be
+// laid over it, which the mosaic says.
 std::vector<LaidTile> takeOthers(std::vector<Tile>& tiles) {
   std::vector<LaidTile> others;
   std::vector<Tile> alike;
   for (Tile& tile : tiles) {
-    const bool is_alike = alike.empty() || !tile.map.has_transform || !alike.front().map.has_transform ||
-                          isOnOneLattice(alike.front(), tile);
+    const bool is_alike = alike.empty() || !isPlacedAlike(alike.front(), tile) || isOnOneLattice(alike.front(), tile);
     if (is_alike)
       alike.push_back(std::move(tile));
     else
