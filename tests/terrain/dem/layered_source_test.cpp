@@ -253,6 +253,24 @@ class InsetsInDegrees : public Insets {
   Field survey{.west = 500300, .north = 5149700, .step = 10, .columns = 120, .rows = 100, .height = hills};
 };
 
+// Rounding alone puts them beside the lattice's, and a neighbour of a void, or the last of a row, would be lost.
+TEST_F(InsetsInDegrees, SamplesOnTheLatticeKeepTheirHeights) {
+  constexpr int kColumn = 7, kRow = 3;  // of the base, that the part begins at
+  Field part = degrees;
+  part.west += kColumn * part.step, part.north -= kRow * part.step, part.columns = 21, part.rows = 17;
+  int sample = 0;
+  part.height = [&](double, double) { return ++sample == 100 ? double{kNone} : 700 + 0.37 * sample; };
+  const std::string inset = file("part.tif", part);
+  const Ground g = ground({file("base.tif", degrees)}, {.insets = {{inset, 0}}, .feather_m = 0});
+  for (int row = 0; row < part.rows; ++row)
+    for (int column = 0; column < part.columns; ++column) {
+      const int number = row * part.columns + column + 1;
+      const auto x = static_cast<uint32_t>(kColumn + column);
+      const auto y = static_cast<uint32_t>(degrees.rows - 1 - kRow - row);
+      ASSERT_EQ(g.at(x, y), number == 100 ? 600.f : static_cast<float>(700 + 0.37 * number)) << column << ' ' << row;
+    }
+}
+
 TEST_F(InsetsInDegrees, StatedResidualsHoldAgainstAnOracle) {
   const std::string base = file("base.tif", degrees), fine_file = file("survey.tif", survey);
   for (const std::optional<double> residual_m : {std::optional<double>(), std::optional(4.0), std::optional(0.3)}) {
