@@ -67,18 +67,20 @@ Result<std::vector<PlacedGroup>> placeGroups(std::vector<TileGroup> groups, cons
 Result<bool> extend(Base& base, const std::vector<PlacedGroup>& groups) {
   Mosaic& m = base.mosaic;
   glm::dvec2 low(0), high(m.width - 1.0, m.height - 1.0);
+  std::string widest;
   for (const PlacedGroup& g : groups) {
     if (g.group.priority || !std::isfinite(g.place.low.x + g.place.low.y + g.place.high.x + g.place.high.y)) continue;
     // What lies less than a hundredth of a sample outside is rounding.
+    const glm::dvec2 as_it_was = high - low;
     low = glm::min(low, glm::floor(g.place.low + 0.01)), high = glm::max(high, glm::ceil(g.place.high - 0.01));
+    if (high - low != as_it_was) widest = g.group.name;
   }
   const glm::dvec2 size = high - low + 1.0;
   if (std::max(size.x, size.y) > kMostOfItsSide || size.x * size.y > kMostOfAScene)
     return Error{
         ErrorCode::kLimit,
-        fmt::format("{} and the other inputs: together {:.0f} x {:.0f} samples, more than a scene holds; leave "
-                    "out what lies far away",
-                    base.lattice.name, size.x, size.y)};
+        fmt::format("{} and {}: together {:.0f} x {:.0f} samples, more than a scene holds; leave out what lies far away",
+                    base.lattice.name, widest, size.x, size.y)};
   const glm::uvec2 before(-low), after(glm::uvec2(size) - glm::uvec2(m.width, m.height) - before);
   if (before + after == glm::uvec2(0)) return false;
   const uint32_t columns = base.placement.is_column_reversed ? after.x : before.x,
