@@ -47,10 +47,11 @@ SEES |= {
                        "terrain/model"],  # reference pictures; shares no code with server/occlusion
 }
 SEES["terrain/geoid"] = ["base"]  # how far geoids lie above the ellipsoid, and where maps are on it
-DEM_ROOMS = ["terrain/dem/raster", "terrain/dem/vertical", "terrain/dem/formats", "terrain/dem/pictures", "terrain/dem/mosaic", "terrain/dem"]
+DEM_ROOMS = ["terrain/dem/raster", "terrain/dem/vertical", "terrain/dem/formats", "terrain/dem/pictures", "terrain/dem/mosaic", "terrain/dem/warp", "terrain/dem/insets", "terrain/dem"]
 for at, room in enumerate(DEM_ROOMS):
     SEES[room] = [*PROTO, "terrain", "terrain/geo", "terrain/geoid", "terrain/fence", *DEM_ROOMS[:at]]
 SEES["terrain/dem/voids"] = ["base"]  # knows no file format
+SEES["terrain/dem/insets"] = ["base", "terrain/dem/mosaic", "terrain/dem/voids"]  # nor where places come from
 REMESH_ROOMS = ["terrain/remesh/original", "terrain/remesh/simplify", "terrain/remesh/lattice", "terrain/remesh",
                 "terrain/remesh/paint"]
 for at, room in enumerate(REMESH_ROOMS):
@@ -111,7 +112,7 @@ SEES["lab/tests"] = [*PRODUCT, "sim", "apps", *LAB_ROOMS, "tests/support", "test
 TESTS = ["tests", "tests/support", "lab/tests"]
 EDGES = ["apps", "lab", "lab/apps", *TESTS]
 THIRD_PARTY = [
-    (r"(gdal|ogr|cpl|vrt|gnm)[\w/]*\.h(pp)?$", "GDAL", ["terrain/dem/formats", "terrain/dem/pictures", *TESTS]),
+    (r"(gdal|ogr|cpl|vrt|gnm)[\w/]*\.h(pp)?$", "GDAL", ["terrain/dem/formats", "terrain/dem/pictures", "terrain/dem/warp", *TESTS]),
     (r"(OpenEXR|Imath)/|(Imf|Iex|IlmThread|Imath|half)\w*\.h$|openexr\w*\.h$", "OpenEXR", ["terrain/dem/formats", "terrain/render", *TESTS]),
     (r"png(conf|libconf)?\.h$", "libpng", ["terrain/model", *TESTS]),
     (r"(jpeglib\.h$|jerror\.h$|webp/)", "libjpeg or libwebp", ["terrain/model", "terrain/imagery", *TESTS]),
