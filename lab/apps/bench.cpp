@@ -282,8 +282,7 @@ int main(int argc, char** argv) {
                  *on_load = apps::addLoad(app, load_args), *on_run = apps::addRun(app, run_args),
                  *on_tiles = apps::addTiles(app, tiles_args), *on_client = addClient(app, client_args),
                  *on_drape = apps::addDrape(app, drape_args), *on_keyframes = apps::addKeyframes(app, keyframes_args),
-                 *on_rivals = apps::addRivals(app, rivals_args),
-                 *on_cost = apps::addCost(app, cost_args);
+                 *on_rivals = apps::addRivals(app, rivals_args), *on_cost = apps::addCost(app, cost_args);
   apps::addSurfaces(app, surface_args);
   const auto exit_code =
       apps::parseCommandLine(app, argc, argv,

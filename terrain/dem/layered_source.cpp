@@ -79,8 +79,9 @@ Result<bool> extend(Base& base, const std::vector<PlacedGroup>& groups) {
   if (std::max(size.x, size.y) > kMostOfItsSide || size.x * size.y > kMostOfAScene)
     return Error{
         ErrorCode::kLimit,
-        fmt::format("{} and {}: together {:.0f} x {:.0f} samples, more than a scene holds; leave out what lies far away",
-                    base.lattice.name, widest, size.x, size.y)};
+        fmt::format(
+            "{} and {}: together {:.0f} x {:.0f} samples, more than a scene holds; leave out what lies far away",
+            base.lattice.name, widest, size.x, size.y)};
   const glm::uvec2 before(-low), after(glm::uvec2(size) - glm::uvec2(m.width, m.height) - before);
   if (before + after == glm::uvec2(0)) return false;
   const uint32_t columns = base.placement.is_column_reversed ? after.x : before.x,
