@@ -30,9 +30,18 @@ export class DroppedFiles {
     if (!reader) return this.onUnknown(file.name);
     try {
       if (file.size > reader.max_bytes) throw new Error(`${file.name} has more than ${reader.max_bytes >> 20} MB.`);
-      await reader.read(file.name, new Uint8Array(await file.arrayBuffer()));
+      await reader.read(file.name, new Uint8Array(await bytesOf(file)));
     } catch (error) {
       reader.refuse(file.name, reasonOf(error));
     }
+  }
+}
+
+// A file may be gone since it was chosen.
+async function bytesOf(file: File): Promise<ArrayBuffer> {
+  try {
+    return await file.arrayBuffer();
+  } catch (error) {
+    throw new Error(`${file.name} cannot be read: ${reasonOf(error)}`);
   }
 }
