@@ -15,7 +15,9 @@ std::vector<size_t> Rebalance::choose(std::span<const Viewer> viewers, double lo
   std::vector<size_t> order;
   for (size_t i = 0; i < viewers.size(); ++i)
     if (viewers[i].cost > 0 && now >= viewers[i].since + kMinStay) order.push_back(i);
-  std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) { return viewers[a].cost > viewers[b].cost; });
+  std::sort(order.begin(), order.end(), [&](size_t a, size_t b) {
+    return viewers[a].cost > viewers[b].cost || (viewers[a].cost == viewers[b].cost && a < b);
+  });
   const auto most = static_cast<size_t>(kMaxShare * static_cast<double>(viewers.size()));
   double excess = (load - kGoal) * static_cast<double>(workers);
   size_t chosen = 0;

@@ -155,7 +155,9 @@ void sortUpwards(std::vector<PlacedGroup>& groups) {
   const auto key = [](const PlacedGroup& g) {
     return std::tuple(!g.isBelow(), g.group.priority.has_value(), g.group.priority.value_or(0));
   };
-  std::ranges::stable_sort(groups, {}, key);
+  // By insertion, which is stable; libstdc++'s stable_sort uses what clang warns of.
+  for (auto it = groups.begin(); it != groups.end(); ++it)
+    std::rotate(std::ranges::upper_bound(groups.begin(), it, key(*it), {}, key), it, it + 1);
 }
 
 double featherOf(const PlacedGroup& g, glm::dvec2 base_spacing_m, const OpenOptions& options) {

@@ -30,7 +30,6 @@ import { Tours } from './ui/tours';
 import { wordsOnMoving } from './ui/welcome_words';
 import { reasonOf } from './ui/words';
 
-
 function byId(id: string): HTMLElement {
   return document.getElementById(id)!;
 }
@@ -356,8 +355,9 @@ export class App {
     const seconds = Math.min((now_ms - this.last_ms) / 1000, 0.25);
     this.last_ms = now_ms;
     const { picture, steering, terrain } = this;
+    if (!this.scene) return; // there is no view yet, and the first one that is told is paid for
     const frozen = picture.frozen_view.pose;
-    const position = this.scene ? steering.step(terrain!, now_ms, seconds, picture.up, frozen !== null) : null;
+    const position = steering.step(terrain!, now_ms, seconds, picture.up, frozen !== null);
     const own = steering.controls.pose(picture.up);
     this.prediction.frame(now_ms, (frozen ?? own).eye);
     const frame = picture.update(now_ms, own);
@@ -366,7 +366,7 @@ export class App {
     const shot: Shot = { frame, pose: frozen ? own : frame.pose, camera_eye: own.eye, above_ground_m: steering.above_ground_m };
     picture.take(shot, position);
     this.measure(now_ms, frame, position);
-    if (this.scene) this.kept_address.keep(now_ms, () => queryText(this.addressHere()));
+    this.kept_address.keep(now_ms, () => queryText(this.addressHere()));
   }
 
   private takeFrame(frame: Frame): void {
