@@ -13,6 +13,7 @@
 #include <functional>
 #include <future>
 #include <optional>
+#include <span>
 #include <string_view>
 #include <thread>
 #include <utility>
@@ -215,8 +216,9 @@ class Server::Impl {
   void watch() {
     watch_.start(std::min(Duration{options_.idle_timeout.us / 4}, Duration::seconds(1)), [this] {
       const Time now = clock_();
-      for (const auto& viewer : everyViewer()) viewer->check(now);
-      relieve(now);
+      const auto everyone = everyViewer();
+      for (const auto& viewer : everyone) viewer->check(now);
+      relieve(everyone, now);
       if (memory_return_.isDue(context_.viewers.size(), now))
         pool_.submit({.release = now, .deadline = now + Duration::seconds(10), .is_costly = true},
                      [](size_t) { MemoryReturn::run(); });
@@ -225,9 +227,8 @@ class Server::Impl {
   }
 
   // Where a balancer is told how busy this server is, who has to leave finds another one.
-  void relieve(Time now) {
+  void relieve(std::span<const std::shared_ptr<ViewerConnection>> everyone, Time now) {
     if (!options_.agent_listen || context_.is_draining) return;
-    const auto everyone = everyViewer();
     std::vector<Rebalance::Viewer> viewers;
     for (const auto& viewer : everyone)
       viewers.push_back({viewer->isMigrating() ? 0 : viewer->cost(), viewer->openedAt()});
