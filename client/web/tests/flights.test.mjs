@@ -3,7 +3,7 @@ import assert from 'node:assert/strict';
 import { readFile } from 'node:fs/promises';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
-import { makeFolder, makeSceneOnEarth, runForeland, on_earth, openBrowser, openPage, startServer, status, until, untilTerrain } from './support.mjs';
+import { dropFile, makeFolder, makeSceneOnEarth, runForeland, on_earth, openBrowser, startServer, status, until, visitPage } from './support.mjs';
 
 const kTest = { timeout: 180_000 };
 let folder, server, browser;
@@ -26,30 +26,13 @@ function gpx() {
     `<trkpt lat="${kFrom.lat}" lon="${(kFrom.lon + i * kRate).toFixed(6)}"><ele>3000</ele><time>${new Date(Date.UTC(2024, 5, 1, 12, 0, i)).toISOString()}</time></trkpt>`);
   return `<?xml version="1.0"?><gpx version="1.1" creator="test" xmlns="http://www.topografix.com/GPX/1/1"><trk><trkseg>${points.join('')}</trkseg></trk></gpx>`;
 }
-async function visit(query, body, { width = 960, height = 640, expected, ...options } = {}) {
-  const { page, complaints, close } = await openPage(browser, { width, height, ...options });
-  page.setDefaultTimeout(120_000);
-  try {
-    await page.goto(new URL(`?sharpness=0.25&tau=2&${query}`, server.url).href);
-    await untilTerrain(page);
-    await body(page);
-    assert.deepEqual(complaints.filter((complaint) => !expected?.test(complaint)), []);
-  } finally {
-    await close();
-  }
-}
-function drop(page, name, text) {
-  return page.evaluate(([name, text]) => {
-    const dataTransfer = new DataTransfer();
-    dataTransfer.items.add(new File([text], name));
-    window.dispatchEvent(new DragEvent('drop', { dataTransfer, cancelable: true }));
-  }, [name, text]);
-}
+const visit = (query, body, options = {}) =>
+  visitPage(browser, new URL(`?sharpness=0.25&tau=2&${query}`, server.url), body, { width: 960, height: 640, prepare: (page) => page.setDefaultTimeout(120_000), ...options });
 
 // A second between keyframes, since a processor that draws takes long for a frame.
 test('a track that is dropped is followed: from behind, from inside, and freely, with every frame guaranteed', kTest, () =>
   visit('keyframe=1000', async (page) => {
-    await drop(page, 'flight.gpx', gpx());
+    await dropFile(page, 'flight.gpx', gpx());
     await until(page, (s) => s.follow_playing && !s.follow_lead && s.follow_s > 2);
     await page.evaluate(() => {
       window.watched = [];
@@ -123,7 +106,7 @@ test('a path through waypoints is flown, kept, read again, and flown by foreland
     const files = [await keep('json'), await keep('kml')];
     for (const file of files) assert.match(await runForeland('fly', `ws://${server.url.host}`, '--track', file, '--seconds', '2'), /keyframes/);
     await page.locator('[name=path_clear]').click();
-    await drop(page, 'path.json', await readFile(files[0], 'utf8'));
+    await dropFile(page, 'path.json', await readFile(files[0], 'utf8'));
     await until(page, (s) => s.waypoints === 2 && s.follow_view === 'own' && s.follow_playing && !s.follow_lead);
     await until(page, (s, eye) => s.follow_s === s.follow_duration_s && Math.hypot(...s.eye.map((v, k) => v - eye[k])) > 90, first.eye);
   }));

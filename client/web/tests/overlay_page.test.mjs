@@ -6,7 +6,7 @@ import { join } from 'node:path';
 import { after, before, test } from 'node:test';
 import { Terrain } from '@foreland/client';
 import { zipSync } from 'fflate';
-import { makeFolder, makeScene, makeSceneOnEarth, openBrowser, openPage, startServer, status, until, untilTerrain } from './support.mjs';
+import { dropFile, makeFolder, makeScene, makeSceneOnEarth, openBrowser, startServer, status, until, visitPage } from './support.mjs';
 
 const kTest = { timeout: 600_000 };
 const kFov_rad = (55 * Math.PI) / 180; // the page's lens, from below to above
@@ -33,28 +33,8 @@ after(async () => {
 });
 
 // Drawn coarsely, because a processor does it, unless the query says otherwise.
-async function visit(query, body, options = {}) {
-  const { page, complaints, close } = await openPage(browser, options);
-  page.setDefaultTimeout(120_000);
-  try {
-    await page.goto(new URL(`?${query}&sharpness=0.4&tau=4`, (options.server ?? server).url).href);
-    await untilTerrain(page);
-    await body(page);
-    assert.deepEqual(complaints.filter((text) => !options.expected?.test(text)), []);
-  } finally {
-    await close();
-  }
-}
-
-async function drop(page, name, content) {
-  const text = Buffer.from(content).toString('base64');
-  const files = await page.evaluateHandle(([base64, file]) => {
-    const files = new DataTransfer();
-    files.items.add(new File([Uint8Array.from(atob(base64), (c) => c.charCodeAt(0))], file));
-    return files;
-  }, [text, name]);
-  await page.dispatchEvent('body', 'drop', { dataTransfer: files });
-}
+const visit = (query, body, { server: at = server, ...options } = {}) =>
+  visitPage(browser, new URL(`?${query}&sharpness=0.4&tau=4`, at.url), body, { prepare: (page) => page.setDefaultTimeout(120_000), ...options });
 const press = (control) => control.evaluate((element) => element.click()); // does not wait for frames, which take seconds here
 const untilLaid = (page, name) => until(page, (s, n) => s.overlays.some((o) => o.name === n) && s.overlays_laid > 0, name, 240_000);
 
@@ -121,7 +101,7 @@ async function pointsAlong(coordinates, eye) {
 for (const [eye, heading, pitch] of [[[0, -9000, 12_000], 0, -58], [[6000, -4000, 9000], 317, -64]])
   test(`a dropped line is drawn where its ground is seen, from ${eye}`, kTest, () =>
     visit(`sharpness=1&tau=0.5&fog=0&view=${[...eye, heading, pitch]}`, async (page) => {
-      await drop(page, 'way.geojson', collection(feature('LineString', zigzag, line)));
+      await dropFile(page, 'way.geojson', collection(feature('LineString', zigzag, line)));
       await untilLaid(page, 'way.geojson');
       const { frames } = await until(page, (s) => s.tau_px <= 0.5);
       await until(page, (s, n) => s.frames > n + 3, frames);
@@ -171,7 +151,7 @@ test('a bad file is refused in words, and the page goes on', kTest, () =>
       ['notes.txt', 'hello', /notes\.txt is no colour map/],
     ];
     for (const [name, content, reason] of files) {
-      await drop(page, name, content);
+      await dropFile(page, name, content);
       await page.locator('#notice', { hasText: reason }).waitFor();
       await press(page.locator('#notice button'));
     }
@@ -185,7 +165,7 @@ test('a bad file is refused in words, and the page goes on', kTest, () =>
     await press(page.locator('#notice button'));
     const { frames } = await status(page);
     await until(page, (s, n) => s.frames > n + 2, frames);
-    await drop(page, 'good.geojson', point([8.1, 46.1]));
+    await dropFile(page, 'good.geojson', point([8.1, 46.1]));
     await untilLaid(page, 'good.geojson');
   }));
 
@@ -199,7 +179,7 @@ test('an overlay of the address that does not come is said', kTest, () =>
 test('a line of 100,000 places lies on the ground', kTest, () =>
   visit('', async (page) => {
     const walk = Array.from({ length: 100_000 }, (_, i) => [8.12 + 0.1 * Math.sin(i / 900) * (i / 100_000), 46.12 + 0.1 * Math.cos(i / 700)]);
-    await drop(page, 'walk.geojson', JSON.stringify({ type: 'LineString', coordinates: walk }));
+    await dropFile(page, 'walk.geojson', JSON.stringify({ type: 'LineString', coordinates: walk }));
     await untilLaid(page, 'walk.geojson');
   }));
 
@@ -207,7 +187,7 @@ test('a planar scene whose map is not known says so of longitudes', kTest, async
   const plain = await startServer(await makeScene(folder.folder, { size: 129 }));
   try {
     await visit('', async (page) => {
-      await drop(page, 'a.geojson', JSON.stringify({ type: 'Point', coordinates: [8, 46] }));
+      await dropFile(page, 'a.geojson', JSON.stringify({ type: 'Point', coordinates: [8, 46] }));
       await page.locator('#notice', { hasText: /how the scene.s map \(synthetic landscape\) follows from these is not known here/ }).waitFor();
     }, { server: plain });
   } finally {
