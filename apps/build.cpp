@@ -37,6 +37,8 @@ using Clock = std::chrono::steady_clock;
 struct Arguments {
   std::vector<std::filesystem::path> inputs;
   std::filesystem::path output;
+  std::vector<std::string> insets;
+  std::vector<int> inset_priorities;
   terrain::OpenOptions open;
   std::optional<double> vertical_step_m;
   unsigned threads = 0;
@@ -48,6 +50,31 @@ struct Arguments {
   std::string attribution;
   apps::ForeignFiles foreign;
 };
+
+void describeInsets(CLI::App& app, Arguments& arguments) {
+  CLI::Option* inset = app.add_option(
+      "--inset", arguments.insets,
+      "elevation of another grid, resolution or reference system that is laid over the inputs: the lattice becomes as "
+      "fine as the finest inset, of several the one named first lies on top, and its voids show what is below. An "
+      "inset that is coarser than the inputs shows only where these have voids");
+  inset->type_name(apps::file("FILE"))->allow_extra_args(false);
+  app.add_option("--inset-priority", arguments.inset_priorities,
+                 "of the insets in their order, as many as there are: those of a higher one lie over others")
+      ->type_name(apps::whole("N"))
+      ->allow_extra_args(false)
+      ->needs(inset);
+  app.add_option("--feather", arguments.open.feather_m,
+                 "metres over which an inset's edges are mixed with what is below it; by default four samples of the "
+                 "inputs, and at most an eighth of the inset's shorter side")
+      ->type_name(apps::number("M"))
+      ->check(apps::within(0.0, 1e7));
+  app.add_option(
+         "--residual", arguments.open.residual_m,
+         "metres that the scene may be off an inset's samples before heights are rounded: the lattice is refined "
+         "only as far as that takes, and to at most a quarter of the finest inset's distance between samples")
+      ->type_name(apps::number("M"))
+      ->check(apps::above(0));
+}
 
 void describeElevation(CLI::App& app, Arguments& arguments) {
   app.add_option(
@@ -111,6 +138,7 @@ void describeElevation(CLI::App& app, Arguments& arguments) {
   app.add_option("--scene-vertical", arguments.open.scene_vertical,
                  "what the heights of the scene are to be above, as for --vertical; by default as the first input's")
       ->type_name(apps::text("DATUM"));
+  describeInsets(app, arguments);
   app.add_option("--threads", arguments.threads, "worker threads; 0 for one per processor")
       ->type_name(apps::whole("N"))
       ->check(apps::within(0u, 1024u))
@@ -180,6 +208,20 @@ std::string withoutVertical(const std::string& text, terrain::OpenOptions& open)
   return file;
 }
 
+// Gives each inset its priority.
+Status takeInsets(Arguments& arguments) {
+  const size_t count = arguments.insets.size();
+  if (const size_t given = arguments.inset_priorities.size(); given != 0 && given != count)
+    return Error{ErrorCode::kInvalidArgument, "--inset-priority: " + std::to_string(given) + " priorities for " +
+                                                  std::to_string(count) +
+                                                  " insets; give one for each --inset, or none"};
+  arguments.inset_priorities.resize(count);
+  for (size_t i = 0; i < count; ++i)
+    arguments.open.insets.push_back(
+        {withoutVertical(arguments.insets[i], arguments.open), arguments.inset_priorities[i]});
+  return {};
+}
+
 // From here on inputs and epochs are names of files.
 void takeVerticals(Arguments& arguments) {
   for (std::filesystem::path& input : arguments.inputs) input = withoutVertical(input.string(), arguments.open);
@@ -200,6 +242,8 @@ Status checkOutput(const Arguments& arguments) {
   if (Status s = apps::checkOutput(arguments.output, "scene file"); !s.ok()) return s;
   for (const std::filesystem::path& input : arguments.inputs)
     if (Status s = apps::checkApart(arguments.output, input, "one of the inputs"); !s.ok()) return s;
+  for (const terrain::InsetFile& inset : arguments.open.insets)
+    if (Status s = apps::checkApart(arguments.output, inset.file, "one of the insets"); !s.ok()) return s;
   for (const std::filesystem::path& picture : arguments.imagery)
     if (Status s = apps::checkApart(arguments.output, picture, "one of the pictures"); !s.ok()) return s;
   return {};
@@ -267,6 +311,7 @@ Result<std::vector<terrain::EpochRequest>> epochsOfPoses(const std::vector<terra
 Result<OpenedEpochs> openEpochs(const Arguments& arguments, const std::string& scene_vertical) {
   OpenedEpochs epochs;
   terrain::OpenOptions open = arguments.open;
+  open.insets.clear();
   if (!scene_vertical.empty()) open.scene_vertical = scene_vertical;
   for (const std::string& text : arguments.epochs) {
     const size_t split = text.find('=');
@@ -288,6 +333,7 @@ Result<OpenedEpochs> openEpochs(const Arguments& arguments, const std::string& s
 // All files that the command names, for reading. Some may not be there.
 std::vector<std::filesystem::path> filesOf(const Arguments& arguments) {
   std::vector<std::filesystem::path> files = arguments.inputs;
+  for (const terrain::InsetFile& inset : arguments.open.insets) files.push_back(inset.file);
   files.insert(files.end(), arguments.imagery.begin(), arguments.imagery.end());
   for (const std::string& text : arguments.epochs) files.emplace_back(text.substr(text.find('=') + 1));
   for (const std::string& text : arguments.objects) files.emplace_back(text.substr(0, text.rfind('@')));
@@ -365,6 +411,8 @@ int main(int argc, char** argv) {
   const auto exit_code = apps::parseCommandLine(
       app, argc, argv,
       {{"one file", "foreland build hills.tif -o hills.fls"},
+       {"a survey in the coarse ground around it",
+        "foreland build alps.tif --inset survey.tif --feather 50 -o alps.fls"},
        {"a whole planet under a picture",
         "foreland build etopo20.cdf --imagery earth.tif --attribution NASA -o planet.fls"},
        {"a tower on a summit, twice as large as modelled and facing east",
@@ -373,6 +421,7 @@ int main(int argc, char** argv) {
         "foreland build msh.tif --epoch 2000-09-25=01.tif --epoch 2004-10-04=02.tif -o dome.fls"}});
   if (exit_code) return *exit_code;
   takeVerticals(arguments);
+  if (Status s = takeInsets(arguments); !s.ok()) return fail(s.error());
   arguments.open.allowed_folders = arguments.foreign.allowed;
   apps::confineTo(arguments.foreign, filesOf(arguments), {arguments.output});
   apps::catchStopSignals();

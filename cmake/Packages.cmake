@@ -31,7 +31,7 @@ install(FILES README.md DESTINATION ${doc_dir}/foreland COMPONENT foreland)
 install(DIRECTORY docs DESTINATION ${doc_dir}/foreland COMPONENT foreland
   FILES_MATCHING PATTERN *.md PATTERN engine_*.svg PATTERN page.jpg
   PATTERN decisions EXCLUDE PATTERN manual EXCLUDE PATTERN MUTATIONS.* EXCLUDE PATTERN THREADS.* EXCLUDE)
-install(FILES deploy/haproxy.cfg deploy/nginx.conf deploy/Caddyfile DESTINATION ${doc_dir}/foreland/examples COMPONENT foreland)
+install(FILES deploy/haproxy.cfg deploy/nginx.conf deploy/Caddyfile deploy/prometheus/alerts.yml deploy/grafana/foreland.json DESTINATION ${doc_dir}/foreland/examples COMPONENT foreland)
 # Debian's packages name the licence, of which every Debian has the text.
 install(FILES LICENSE DESTINATION ${doc_dir}/foreland COMPONENT checkout)
 
@@ -41,6 +41,7 @@ if(FORELAND_LAB)
   list(APPEND packages lab)
   foreland_install_subcommands(lab/apps lab)
   install(DIRECTORY lab/experiments DESTINATION ${data_dir}/lab COMPONENT lab)
+  install(FILES lab/prices.toml DESTINATION ${data_dir}/lab COMPONENT lab)
   install(FILES lab/README.md DESTINATION ${doc_dir}/foreland-lab COMPONENT lab)
 endif()
 

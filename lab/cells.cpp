@@ -83,8 +83,10 @@ Result<std::vector<CellTables>> runCells(const CellWork& work, const KeptCells& 
   std::vector<CellTables> cells(work.count);
   std::vector<Status> kept_well(work.count);
   std::atomic<bool> failed = false;
+  const KeptCells nowhere;
   const auto run = [&](uint64_t i, unsigned worker) {
-    auto cell = keptOr(kept, work.asked(i), [&] { return Result(work.compute(i, worker)); });
+    const KeptCells& folder = work.is_keepable(i) ? kept : nowhere;
+    auto cell = keptOr(folder, work.asked(i), [&] { return work.compute(i, worker); });
     if (!cell) {
       kept_well[i] = cell.error();
       failed = true;

@@ -45,11 +45,13 @@ Result<CellTables> keptOr(const KeptCells& kept, const nlohmann::ordered_json& a
 
 struct CellWork {
   size_t count = 0;
-  std::function<nlohmann::ordered_json(size_t cell)> asked;         // everything that the tables depend on
-  std::function<CellTables(size_t cell, unsigned worker)> compute;  // called on any thread
-  std::function<void(size_t done)> on_progress = [](size_t) {};     // on the calling thread
+  std::function<nlohmann::ordered_json(size_t cell)> asked;                 // everything that the tables depend on
+  std::function<Result<CellTables>(size_t cell, unsigned worker)> compute;  // called on any thread
+  std::function<void(size_t done)> on_progress = [](size_t) {};             // on the calling thread
+  // Whether the cell may be kept: not if its tables depend on more than what is asked.
+  std::function<bool(size_t cell)> is_keepable = [](size_t) { return true; };
 };
-// All cells, in order. An Error if one cannot be kept.
+// All cells, in order. An Error if one cannot be computed or kept.
 Result<std::vector<CellTables>> runCells(const CellWork& work, const KeptCells& kept, unsigned threads);
 
 // How the cells' number is called in tables, and their rows in results.json.

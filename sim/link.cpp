@@ -5,12 +5,20 @@
 namespace foreland::sim {
 
 void Link::send(Bytes message, Time now) {
+  if (options_.carrier) return carry(std::move(message), now);
   sent_ = transmitted(message.size(), std::max(now, sent_));
   if (options_.buffers == LinkOptions::Buffers::kNone) sent_ = afterPause(sent_);
   drained_ = std::max(drained_, drained(now));
   const Duration jitter{options_.jitter.us > 0 ? static_cast<int64_t>(rng_.below(options_.jitter.us)) : 0};
   const Time arrival = sent_ + options_.latency + jitter + repeats(message.size());
   last_arrival_ = afterPause(std::max(last_arrival_, arrival));
+  on_the_way_.push_back({last_arrival_, drained_, std::move(message)});
+}
+
+void Link::carry(Bytes message, Time now) {
+  const Carrier::Carried carried = options_.carrier->carry(seed_, message.size(), now);
+  sent_ = drained_ = std::max(drained_, carried.leaves);
+  last_arrival_ = afterPause(std::max(last_arrival_, carried.arrives));
   on_the_way_.push_back({last_arrival_, drained_, std::move(message)});
 }
 

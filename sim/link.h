@@ -14,6 +14,19 @@
 
 namespace foreland::sim {
 
+// Says when messages leave and arrive, in place of all that LinkOptions has but pauses: how an experiment tries a link
+// of its own. One owner, a world's.
+class Carrier {
+ public:
+  struct Carried {
+    Time leaves, arrives;  // the sender; at the receiver. now <= leaves <= arrives
+  };
+  virtual ~Carrier() = default;
+  // Takes the next message of the link with this seed, which is how links of one carrier are told apart. What arrives
+  // before the message in front of it waits for that one.
+  virtual Carried carry(uint64_t link_seed, size_t bytes, Time now) = 0;
+};
+
 struct LinkOptions {
   Duration latency = Duration::milliseconds(20);
   Duration jitter{};                // added uniformly up to this
@@ -27,11 +40,12 @@ struct LinkOptions {
   size_t queue_bytes = 0;                    // what the network takes off the sender before it can be transmitted
   double loss = 0;                           // share of the packets that must be sent again
   Duration repeat_after{};                   // how long that takes
+  std::shared_ptr<Carrier> carrier{};        // in place of all of these; null: none
 };
 
 class Link {
  public:
-  Link(const LinkOptions& options, uint64_t seed) : options_(options), rng_(seed) {}
+  Link(const LinkOptions& options, uint64_t seed) : options_(options), seed_(seed), rng_(seed) {}
 
   void send(Bytes message, Time now);
   // When everything handed over has left the sender: has been transmitted, or waits in the network's queue.
@@ -56,6 +70,7 @@ class Link {
     Time arrival, drained;
     Bytes message;
   };
+  void carry(Bytes message, Time now);
   Time transmitted(size_t bytes, Time begin);
   Time drained(Time now) const;
   Duration repeats(size_t bytes);
@@ -63,6 +78,7 @@ class Link {
   Time afterStalls(Time t) const;
 
   LinkOptions options_;
+  uint64_t seed_;
   Rng rng_;
   Time sent_, drained_, last_arrival_;
   LinkTrace::Position at_;  // in the trace

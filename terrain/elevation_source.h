@@ -24,6 +24,10 @@ struct ElevationInput {
   std::string vertical;         // what its heights counted from; empty if that is not stated
   bool may_have_voids = false;  // that later inputs fill
   bool is_on_lattice = true;    // whether its samples are where the source's are
+  // Else by how much the source differs from it at its samples at most, where it alone counts: further than feather_m
+  // from its edges, and where nothing lies over it. Metres; not a number if that is not known.
+  double residual_m = std::numeric_limits<double>::quiet_NaN();
+  double feather_m = 0;
 };
 
 struct ElevationInfo {
@@ -34,7 +38,8 @@ struct ElevationInfo {
   std::string crs_wkt;             // empty if none
   std::vector<std::string> notes;  // what was assumed about the input, a sentence each
   proto::VerticalDatum vertical{};
-  // Where `vertical` is stated: the first that has data at a sample counts.
+  uint64_t voids_filled = 0;  // by the source
+  // Where `vertical` is stated, or grids differ: the first that has data at a sample counts.
   std::vector<ElevationInput> inputs{};
 };
 

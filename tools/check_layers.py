@@ -47,10 +47,11 @@ SEES |= {
                        "terrain/model"],  # reference pictures; shares no code with server/occlusion
 }
 SEES["terrain/geoid"] = ["base"]  # how far geoids lie above the ellipsoid, and where maps are on it
-DEM_ROOMS = ["terrain/dem/raster", "terrain/dem/vertical", "terrain/dem/formats", "terrain/dem/pictures", "terrain/dem/mosaic", "terrain/dem"]
+DEM_ROOMS = ["terrain/dem/raster", "terrain/dem/vertical", "terrain/dem/formats", "terrain/dem/pictures", "terrain/dem/mosaic", "terrain/dem/warp", "terrain/dem/insets", "terrain/dem"]
 for at, room in enumerate(DEM_ROOMS):
     SEES[room] = [*PROTO, "terrain", "terrain/geo", "terrain/geoid", "terrain/fence", *DEM_ROOMS[:at]]
 SEES["terrain/dem/voids"] = ["base"]  # knows no file format
+SEES["terrain/dem/insets"] = ["base", "terrain/dem/mosaic", "terrain/dem/voids"]  # nor where places come from
 REMESH_ROOMS = ["terrain/remesh/original", "terrain/remesh/simplify", "terrain/remesh/lattice", "terrain/remesh",
                 "terrain/remesh/paint"]
 for at, room in enumerate(REMESH_ROOMS):
@@ -95,11 +96,13 @@ SEES["lab/wire/peers"] = ["base", "lab/programs"]  # other makers' mesh codecs, 
 LAB_ROOMS = ["lab/programs", "lab/wire/peers", "lab"]
 SEES["lab"] = [*PRODUCT, "sim", "apps", *LAB_ROOMS[:-1]]
 SEES["lab/proxy"] = [*SEES["lab"], "lab"]  # the links of the world in virtual time, for real connections
+SEES["lab/external"] = ["base", "proto/topology", "proto/space", "server/view", "server/sched", "sim", "lab/programs"]  # programs of the user's
 for room in ("lab/animated", "lab/drape", "lab/latency", "lab/load", "lab/tiles"):
-    SEES[room] = [*SEES["lab"], "lab"]
+    SEES[room] = [*SEES["lab"], "lab", "lab/external"]
 SEES["lab/load"] = [*SEES["lab/load"], "lab/proxy"]
 SEES["lab/report"] = ["base", "lab/programs", "lab"]  # knows the tables alone
-LAB_ROOMS += ["lab/proxy", "lab/animated", "lab/drape", "lab/latency", "lab/load", "lab/tiles", "lab/report"]
+SEES["lab/rivals"] = [*PROTO, "terrain", *STORE, "lab/programs"]  # the ground and a path, for other makers' viewers
+LAB_ROOMS += ["lab/external", "lab/proxy", "lab/animated", "lab/drape", "lab/latency", "lab/load", "lab/tiles", "lab/report", "lab/rivals"]
 SEES["lab/apps"] = [*PRODUCT, "sim", "apps", *LAB_ROOMS]
 SEES["tests/support"] = [*PRODUCT, "sim"]
 SEES["tests"] = [*PRODUCT, "sim", "apps", "tests/support"]
@@ -109,7 +112,7 @@ SEES["lab/tests"] = [*PRODUCT, "sim", "apps", *LAB_ROOMS, "tests/support", "test
 TESTS = ["tests", "tests/support", "lab/tests"]
 EDGES = ["apps", "lab", "lab/apps", *TESTS]
 THIRD_PARTY = [
-    (r"(gdal|ogr|cpl|vrt|gnm)[\w/]*\.h(pp)?$", "GDAL", ["terrain/dem/formats", "terrain/dem/pictures", *TESTS]),
+    (r"(gdal|ogr|cpl|vrt|gnm)[\w/]*\.h(pp)?$", "GDAL", ["terrain/dem/formats", "terrain/dem/pictures", "terrain/dem/warp", *TESTS]),
     (r"(OpenEXR|Imath)/|(Imf|Iex|IlmThread|Imath|half)\w*\.h$|openexr\w*\.h$", "OpenEXR", ["terrain/dem/formats", "terrain/render", *TESTS]),
     (r"png(conf|libconf)?\.h$", "libpng", ["terrain/model", *TESTS]),
     (r"(jpeglib\.h$|jerror\.h$|webp/)", "libjpeg or libwebp", ["terrain/model", "terrain/imagery", *TESTS]),
@@ -133,7 +136,7 @@ THIRD_PARTY = [
 ]
 
 CLOCK = re.compile(r"\b(steady_clock|system_clock|high_resolution_clock|clock_gettime|gettimeofday|std::time\s*\()|<ctime>")
-CLOCK_ROOMS = ["server/net", "client/c", "client/fly", "client/fly/net", "sim", "lab/load", *EDGES]  # sim: to time its steps; lab/load: for runs in real time
+CLOCK_ROOMS = ["server/net", "client/c", "client/fly", "client/fly/net", "sim", "lab/load", "lab/programs", *EDGES]  # sim: to time its steps; lab/load: for runs in real time; lab/programs: for answers that do not come
 
 # Rooms of the client's package in TypeScript, and what each may import; `three` is the library. Only the worker's entry knows Node.
 SCRIPT_SEES = {
@@ -143,8 +146,10 @@ SCRIPT_SEES = {
     "client/js/src/maplibre": ["client/js/src/core", "client/js/src", "client/js/src/three", "three", "maplibre-gl"],
     "client/js/src": ["client/js/src/core", "node", "foreland"],
     # The page uses the package by its name, as anyone does.
-    "client/web/src": ["client/web/src/measure", "@foreland/client", "three"],
+    "client/web/src": ["client/web/src/follow", "client/web/src/measure", "client/web/src/overlay", "@foreland/client", "three"],
     "client/web/src/measure": ["@foreland/client", "geographiclib-geodesic"],
+    "client/web/src/overlay": ["@foreland/client", "@tmcw/togeojson", "@xmldom/xmldom", "fflate", "proj4"],
+    "client/web/src/follow": ["client/web/src/measure", "@foreland/client", "three"],  # flights and the cameras that follow them
 }
 IMPORT = re.compile(r"""^(?:import|export)\b.*?\bfrom '([^']+)';|\bimport\('([^']+)'\)""")
 DOM = re.compile(r"\b(document|window)\b")
@@ -209,7 +214,7 @@ def judge_import(path, room, target):
         at = os.path.normpath(os.path.join(os.path.dirname(path), target))
         target_room = script_room_of(at) or os.path.dirname(at)
     else:
-        target_room = next((name for name in ("@foreland/client", "three", "maplibre-gl", "ws", "geographiclib-geodesic") if (target + "/").startswith(name + "/")), target.split(":")[0])
+        target_room = next((name for name in ("@foreland/client", "three", "maplibre-gl", "ws", "geographiclib-geodesic", "@tmcw/togeojson", "@xmldom/xmldom", "fflate", "proj4") if (target + "/").startswith(name + "/")), target.split(":")[0])
     if target_room == room or target_room in SCRIPT_SEES[room]:
         return None
     return f"{room} must not import {target_room} ({target}); it sees: {', '.join(SCRIPT_SEES[room]) or 'only itself'}"

@@ -24,8 +24,9 @@ ROOT = Path(__file__).resolve().parent.parent
 
 # Libraries of headers. Those of Boost, LLVM and fmt ask for no text beside compiled code.
 DEBIAN = ["libcli11-dev", "libflatbuffers-dev", "libglm-dev", "libspdlog-dev", "libtomlplusplus-dev", "nlohmann-json3-dev"]
+PAGE = ["three", "geographiclib-geodesic", "@tmcw/togeojson", "@xmldom/xmldom", "fflate", "proj4", "wkt-parser", "mgrs"]
 CONTENTS = {
-    "foreland": {"debian": [*DEBIAN, "wasi-libc"], "npm": ["client/web/node_modules/three"]},
+    "foreland": {"debian": [*DEBIAN, "wasi-libc"], "npm": [f"client/web/node_modules/{name}" for name in PAGE]},
     "libforeland-client0": {"debian": ["libflatbuffers-dev", "libglm-dev"], "npm": []},
     "libforeland-client-dev": {"debian": [], "npm": []},
     "foreland-lab": {"debian": [*DEBIAN, "wasi-libc"],

@@ -45,17 +45,18 @@ void printInput(const terrain::SceneInput& input) {
     std::printf(", residual not known\n");
   else
     std::printf(", residual at most %g m\n", input.residual_m);
+  if (input.feather_m > 0)
+    std::printf("           its edges are mixed with what is below over %g m, where that is more\n", input.feather_m);
 }
 
 }  // namespace
 
 void printVertical(const terrain::Scene& scene) {
   const proto::VerticalDatum& datum = scene.vertical();
-  if (datum.name.empty()) {
+  if (datum.name.empty())
     std::printf("datum      unstated: nothing says what heights are above (--vertical)\n");
-    return;
-  }
-  std::printf("datum      heights are above %s (%s)\n", datum.name.c_str(), kindOf(datum.zero_surface));
+  else
+    std::printf("datum      heights are above %s (%s)\n", datum.name.c_str(), kindOf(datum.zero_surface));
   if (!datum.geoid.empty()) {
     const auto [lowest_m, highest_m] = rangeOf(scene);
     std::printf("geoid      %s, %.3f to %.3f m above the ellipsoid here; stored as %u x %u values, within %.4f m\n",
@@ -68,8 +69,7 @@ void printVertical(const terrain::Scene& scene) {
 ordered_json describeVertical(const terrain::Scene& scene) {
   const proto::VerticalDatum& datum = scene.vertical();
   ordered_json about{{"zero_surface", kindOf(datum.zero_surface)}};
-  if (datum.name.empty()) return about;
-  about["name"] = datum.name;
+  if (!datum.name.empty()) about["name"] = datum.name;
   if (!datum.geoid.empty()) {
     const auto [lowest_m, highest_m] = rangeOf(scene);
     about["geoid"] = {{"name", datum.geoid},
@@ -83,6 +83,7 @@ ordered_json describeVertical(const terrain::Scene& scene) {
     ordered_json each{{"name", input.name}, {"window", {w.x, w.y, w.width, w.height}}};
     if (!input.vertical.empty()) each["vertical"] = input.vertical;
     if (!std::isnan(input.residual_m)) each["residual_m"] = input.residual_m;
+    if (input.feather_m > 0) each["feather_m"] = input.feather_m;
     about["inputs"].push_back(std::move(each));
   }
   return about;

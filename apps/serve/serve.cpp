@@ -14,6 +14,7 @@
 #include <system_error>
 #include <utility>
 
+#include "apps/serve/overlay_files.h"
 #include "apps/serve/serve_options.h"
 #include "apps/serve/service.h"
 #include "apps/stop_signal.h"
@@ -119,6 +120,10 @@ void announce(const server::Server& running, server::ServeOptions options, const
     options.metrics_listen->port = running.metricsPort();
     std::printf("metrics at http://%s/metrics\n", toString(*options.metrics_listen).c_str());
   }
+  if (options.agent_listen) {
+    options.agent_listen->port = running.agentPort();
+    std::printf("agent at %s\n", toString(*options.agent_listen).c_str());
+  }
   std::fflush(stdout);
   apps::notifyService("READY=1");
 }
@@ -150,6 +155,8 @@ int main(int argc, char** argv) {
   options->log = logIn(flags.log_format);
   options->web = findPage(flags.web);
   prepareDescriptors(*options);
+  auto overlays = apps::overlayFiles(flags.overlay);
+  if (!overlays) return fail(overlays.error());
   terrain::endWhenAFileIsLost();
   auto scene = terrain::openVerified(flags.scene);
   if (!scene) return fail(scene.error());
@@ -159,6 +166,7 @@ int main(int argc, char** argv) {
   auto world = openWorld(flags, *scene, options->log);
   if (!world) return fail(world.error());
   options->files = imagesOf((*world)->hierarchy.objects());
+  options->files.merge(*overlays);
   if (options->web.empty())
     options->log(server::Severity::kWarning,
                  "the page is not built, so only `foreland fly` can connect; ./demo builds it");

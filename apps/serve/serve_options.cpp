@@ -26,6 +26,9 @@ void addScene(CLI::App& app, ServeFlags& flags) {
   app.add_option("--web", flags.web,
                  "directory of the page; by default the one that was built or installed with this program")
       ->type_name(folder("DIR"));
+  app.add_option("--overlay", flags.overlay, "GeoJSON, KML, KMZ, GPX or IGC that every page lays on the ground")
+      ->type_name(file("FILE"))
+      ->allow_extra_args(false);
   app.add_option("--threads", flags.threads, "threads that compute; 0 for one per processor")
       ->type_name(whole("N"))
       ->check(within(0, 1024))
@@ -116,6 +119,9 @@ void addOperation(CLI::App& app, ServeFlags& flags) {
   add("--metrics-listen", flags.metrics_listen,
       "address and port of its own for /metrics, which --listen then does not answer, /livez and /readyz")
       ->type_name(text("ADDRESS:PORT"));
+  add("--agent-listen", flags.agent_listen,
+      "address and port where HAProxy's agent-check is told what weight this server should have, by how busy it is")
+      ->type_name(text("ADDRESS:PORT"));
   add("--drain-seconds", flags.drain_seconds,
       "SIGTERM hands viewers over to other servers for so long at most; Ctrl-C does not")
       ->type_name(number("S"))
@@ -143,6 +149,7 @@ const std::vector<Example> kExamples{
     {"a scene, at http://127.0.0.1:8080", "foreland serve hills.fls"},
     {"with TLS, for all addresses",
      "foreland serve hills.fls --listen 0.0.0.0:8443 --tls-cert cert.pem --tls-key key.pem"},
+    {"with paths and huts on its ground", "foreland serve hills.fls --overlay paths.gpx --overlay huts.geojson"},
     {"write a file of options, and use it", "foreland serve hills.fls --tau 2 --print-config > serve.toml"},
     {"", "foreland serve --config serve.toml"}};
 
@@ -175,11 +182,16 @@ Result<server::ServeOptions> serveOptions(const ServeFlags& flags) {
   auto listen = server::parseListenAddress(flags.listen);
   if (!listen) return listen.error();
   options.listen = *listen;
-  if (!flags.metrics_listen.empty()) {
-    auto metrics_listen = server::parseListenAddress(flags.metrics_listen, "--metrics-listen");
-    if (!metrics_listen) return metrics_listen.error();
-    options.metrics_listen = *metrics_listen;
-  }
+  const auto further = [](const std::string& text, const char* flag,
+                          std::optional<server::ListenAddress>& out) -> Status {
+    if (text.empty()) return {};
+    auto address = server::parseListenAddress(text, flag);
+    if (!address) return address.error();
+    out = *address;
+    return {};
+  };
+  if (Status s = further(flags.metrics_listen, "--metrics-listen", options.metrics_listen); !s.ok()) return s.error();
+  if (Status s = further(flags.agent_listen, "--agent-listen", options.agent_listen); !s.ok()) return s.error();
   if (!flags.token_secret.empty()) {
     auto secret = server::readTokenSecret(flags.token_secret);
     if (!secret) return secret.error();

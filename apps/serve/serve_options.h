@@ -13,10 +13,11 @@ namespace foreland::apps {
 
 struct ServeFlags {
   std::filesystem::path scene;
-  std::string listen = "127.0.0.1:8080", metrics_listen;
+  std::string listen = "127.0.0.1:8080", metrics_listen, agent_listen;
   size_t threads = 0;  // 0: one per processor
   double tau_px = 1;
   std::string keyframe_ms = "200";
+  std::vector<std::filesystem::path> overlay;
   std::string web;  // empty for where builds and installations put it
   std::string log_level = "info", log_format = "text";
   std::string occlusion = "auto";

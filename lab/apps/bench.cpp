@@ -10,12 +10,14 @@
 #include "apps/options/options.h"
 #include "lab/apps/bench_animated.h"
 #include "lab/apps/bench_calibrate.h"
+#include "lab/apps/bench_cost.h"
 #include "lab/apps/bench_drape.h"
 #include "lab/apps/bench_flight.h"
 #include "lab/apps/bench_keyframes.h"
 #include "lab/apps/bench_latency.h"
 #include "lab/apps/bench_load.h"
 #include "lab/apps/bench_occlusion.h"
+#include "lab/apps/bench_rivals.h"
 #include "lab/apps/bench_run.h"
 #include "lab/apps/bench_surfaces.h"
 #include "lab/apps/bench_tiles.h"
@@ -270,6 +272,8 @@ int main(int argc, char** argv) {
   apps::TilesArguments tiles_args;
   apps::DrapeArguments drape_args;
   apps::KeyframesArguments keyframes_args;
+  apps::RivalsArguments rivals_args;
+  apps::CostArguments cost_args;
   const CLI::App *on_sections = addSections(app, section_args), *on_refine = addRefine(app, refine_args),
                  *on_wire = addWire(app, wire_args), *on_occlusion = apps::addOcclusion(app, occlusion_args),
                  *on_animated = apps::addAnimated(app, animated_args),
@@ -277,7 +281,8 @@ int main(int argc, char** argv) {
                  *on_calibrate = apps::addCalibrate(app, calibrate_args), *on_report = addReport(app, report_args),
                  *on_load = apps::addLoad(app, load_args), *on_run = apps::addRun(app, run_args),
                  *on_tiles = apps::addTiles(app, tiles_args), *on_client = addClient(app, client_args),
-                 *on_drape = apps::addDrape(app, drape_args), *on_keyframes = apps::addKeyframes(app, keyframes_args);
+                 *on_drape = apps::addDrape(app, drape_args), *on_keyframes = apps::addKeyframes(app, keyframes_args),
+                 *on_rivals = apps::addRivals(app, rivals_args), *on_cost = apps::addCost(app, cost_args);
   apps::addSurfaces(app, surface_args);
   const auto exit_code =
       apps::parseCommandLine(app, argc, argv,
@@ -290,6 +295,8 @@ int main(int argc, char** argv) {
   if (*on_tiles) return print(apps::tiles(tiles_args), tiles_args.flight.format);
   if (*on_drape) return print(apps::drape(drape_args), drape_args.flight.format);
   if (*on_keyframes) return print(apps::keyframes(keyframes_args), keyframes_args.flight.format);
+  if (*on_rivals) return print(apps::rivals(rivals_args), rivals_args.flight.format);
+  if (*on_cost) return print(apps::cost(cost_args), cost_args.format);
   if (*on_run) return print(apps::runExperiment(run_args), apps::ReportFormat::kText);
   if (*on_client) return print(clientCosts(client_args), client_args.flight.format);
   if (*on_load) return print(apps::load(load_args), load_args.format);

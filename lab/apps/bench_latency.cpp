@@ -28,6 +28,13 @@ void addGridOptions(CLI::App& sub, lab::GridRequest& grid) {
   add("--links", grid.links, "by default fixed")
       ->type_name(text("NAMES"))
       ->check(oneOf({"fixed", "wifi", "lte", "starlink", "geo", "trace"}));
+  sub.add_option("--predictor-command", grid.predictor_command,
+                 "one more predictor, which is a program (docs/INSTRUMENT.md)")
+      ->type_name(text("COMMAND"))
+      ->group("What is compared");
+  sub.add_option("--link-command", grid.link_command, "one more link, which is a program (docs/INSTRUMENT.md)")
+      ->type_name(text("COMMAND"))
+      ->group("What is compared");
   add("--keyframes-ms", grid.keyframes_ms,
       "intervals, which may be adaptive or such as 100-500; by default 200, and 100, 500 and adaptive for some")
       ->type_name(numberOrText("MS"));
@@ -88,7 +95,7 @@ nlohmann::ordered_json summaryOf(const std::vector<lab::LatencyCell>& cells,
     char text[240];
     std::snprintf(
         text, sizeof text, "%-26s %-8s %3.0f ms, %s ms, %.1f px: total p99 %6.2f px, rms %.3f px, %5.0f kbit/s",
-        c.how().c_str(), c.link.c_str(), c.round_trip_ms, proto::textOf(c.keyframes).c_str(), c.tau_px,
+        c.how().c_str(), c.linkText().c_str(), c.round_trip_ms, proto::textOf(c.keyframes).c_str(), c.tau_px,
         row["total_p99_px"].get<double>(), row["total_rms_px"].get<double>(), row["down_kbit_s"].get<double>());
     lines.push_back(text);
   }

@@ -46,8 +46,13 @@ std::string capacityLine(const nlohmann::ordered_json& way) {
 }
 
 // Searches run one after another on each thread, so that the most viewers of each is found on its own.
-void search(const std::shared_ptr<const server::World>& world, std::vector<lab::LoadOptions>& runs) {
-  for (lab::LoadOptions& run : runs) run.viewers = std::max<size_t>(1, lab::maxViewers(world, run));
+Status search(const std::shared_ptr<const server::World>& world, std::vector<lab::LoadOptions>& runs) {
+  for (lab::LoadOptions& run : runs) {
+    const auto most = lab::maxViewers(world, run);
+    if (!most) return most.error();
+    run.viewers = std::max<size_t>(1, *most);
+  }
+  return {};
 }
 
 // One number as such, several as a list.
@@ -130,6 +135,8 @@ Result<nlohmann::ordered_json> loadInBoth(const std::shared_ptr<const server::Wo
   return about;
 }
 
+const std::string& orOwn(const std::string& command, const std::string& own) { return command.empty() ? own : command; }
+
 constexpr const char* kCompared = "What is compared";
 
 void addViewerOptions(CLI::App& sub, LoadArguments& args) {
@@ -152,11 +159,18 @@ void addViewerOptions(CLI::App& sub, LoadArguments& args) {
       ->type_name(text("NAME"))
       ->check(oneOf({"hold", "velocity", "acceleration", "double-exponential", "kalman", "path"}))
       ->capture_default_str();
+  sub.add_option("--predictor-command", request.base.predictor_command,
+                 "a program in place of --predictor (docs/INSTRUMENT.md)")
+      ->type_name(text("COMMAND"))
+      ->excludes("--predictor");
   sub.add_option("--occlusion", args.occlusion,
                  "on: what ridges hide is not sent; auto: as long as that pays (foreland serve --help)")
       ->check(oneOf({"off", "auto", "on"}))
       ->capture_default_str();
   addLinkOptions(sub, args.link, "fixed");
+  sub.add_option("--link-command", request.base.link_command, "a program in place of --link (docs/INSTRUMENT.md)")
+      ->type_name(text("COMMAND"))
+      ->excludes("--link");
 }
 
 // Every combination of these is run.
@@ -167,6 +181,9 @@ void addComparedOptions(CLI::App& sub, lab::LoadRequest& request) {
   add("--policies", request.policies, "which job a worker takes next; by default all")
       ->type_name(text("NAMES"))
       ->check(oneOf({"fifo", "edf", "least-laxity", "fair"}));
+  sub.add_option("--order-command", request.order_command, "one more policy, which is a program (docs/INSTRUMENT.md)")
+      ->type_name(text("COMMAND"))
+      ->group(kCompared);
   add("--phases", request.phases, "when the viewers' keyframes are due; by default all")
       ->type_name(text("NAMES"))
       ->check(oneOf({"synchronised", "random", "staggered"}));
@@ -197,9 +214,26 @@ void addClusterOptions(CLI::App& sub, lab::LoadRequest& request) {
   add("--balance", request.balances, "how viewers are shared among servers; by default all, of several servers")
       ->type_name(text("NAMES"))
       ->check(oneOf({"random", "round-robin", "least-loaded", "two-choices", "migrate"}));
+  sub.add_option("--balance-command", request.balance_command,
+                 "one more balance, which is a program (docs/INSTRUMENT.md)")
+      ->type_name(text("COMMAND"))
+      ->group(group);
   add("--fail", request.fails, "a server fails")->type_name(text("SERVER@SECONDS"));
   add("--drain", request.drains, "a server hands its viewers over")->type_name(text("SERVER@SECONDS"));
   add("--join", request.joins, "a server is added, or is there again")->type_name(text("SERVER@SECONDS"));
+}
+
+void addDisturbances(CLI::App& sub, lab::LoadRequest& request) {
+  sub.add_option("--neighbour", request.base.neighbour,
+                 "somebody else takes this share of the processors' time, in the first half second of each two")
+      ->type_name(number("SHARE"))
+      ->check(within(0.0, 0.95))
+      ->capture_default_str();
+  sub.add_option("--crowd-jump", request.base.crowd_jump_s,
+                 "all viewers jump elsewhere each so many seconds, within one keyframe interval; 0: never")
+      ->type_name(number("S"))
+      ->check(within(0.0, 3600.0))
+      ->capture_default_str();
 }
 
 void addTimeOptions(CLI::App& sub, lab::LoadRequest& request) {
@@ -241,6 +275,7 @@ CLI::App* addLoad(CLI::App& app, LoadArguments& args) {
   addComparedOptions(*sub, args.request);
   addClusterOptions(*sub, args.request);
   addTimeOptions(*sub, args.request);
+  addDisturbances(*sub, args.request);
   sub->add_flag_callback(
       "--most-viewers", [&args] { args.search = Search::kMaxViewers; },
       "find the largest number of viewers with under 0.1 % missed, for each run");
@@ -270,6 +305,8 @@ Result<lab::LoadRequest> requestOf(const LoadArguments& args) {
                  "--predictor '" + args.predictor + "': choose one of " + proto::predictorNames()};
   if (*predictor == proto::Predictor::kKnownPath && request.base.cluster.servers > 1)
     return Error{ErrorCode::kInvalidArgument, "--predictor path: viewers of several servers announce no path"};
+  if (*predictor == proto::Predictor::kKnownPath && request.base.crowd_jump_s > 0)
+    return Error{ErrorCode::kInvalidArgument, "--predictor path: a crowd that jumps (--crowd-jump) announces no path"};
   if (args.in_time == InTime::kBoth) {
     if (request.policies.empty()) request.policies = {"fair"};
     if (request.phases.empty()) request.phases = {"staggered"};
@@ -323,20 +360,23 @@ Result<nlohmann::ordered_json> load(const LoadArguments& args) {
   if (!opened) return opened.error();
   const std::shared_ptr<const server::World>& world = *opened;
 
-  if (args.search == Search::kMaxViewers) search(world, *runs);
+  if (args.search == Search::kMaxViewers)
+    if (Status s = search(world, *runs); !s.ok()) return s.error();
   nlohmann::ordered_json about{{"experiment", "load"}};
   about.update(aboutExperiment(args.experiment, request.base.prices));
   about.update({{"scene", std::filesystem::path(args.scene).filename().string()},
                 {"viewers", viewersAsked(request)},
                 {"workers", request.base.workers},
                 {"mix", args.mix},
-                {"predictor", args.predictor},
-                {"link", args.link.link},
+                {"predictor", orOwn(request.base.predictor_command, args.predictor)},
+                {"link", orOwn(request.base.link_command, args.link.link)},
                 {"occlusion", args.occlusion},
                 {"seconds", request.base.seconds},
                 {"run_in_s", request.base.run_in_s},
                 {"before_step", request.base.before_step},
                 {"step_s", request.base.step_s},
+                {"neighbour", request.base.neighbour},
+                {"crowd_jump_s", request.base.crowd_jump_s},
                 {"tau_px", request.base.tau_px},
                 {"keyframe_ms", request.base.keyframe_ms}});
   if (request.base.cluster.servers > 1)

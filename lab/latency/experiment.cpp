@@ -40,7 +40,9 @@ std::string keyframesCsv(const CellFlight& flight) {
     table.cell("bytes", std::to_string(k.bytes));
     table.cell("lateness_ms", rounded(k.lateness_ms));
     table.cell("compute_ms", rounded(k.compute_ms));
-    k.work.fields([&](const char* field, uint64_t value) { table.cell(field, std::to_string(value)); });
+    k.work.fields([&](const std::string& field, uint64_t value) {
+      table.cell(field == "bytes" ? "work_bytes" : field, std::to_string(value));  // a column has one meaning
+    });
     table.end();
   }
   return table.text();
@@ -59,15 +61,18 @@ Result<std::vector<CellTables>> flyGrid(const LatencyFlight& flight, const std::
   const auto scene = std::shared_ptr<const terrain::Scene>(flight.world, &flight.world->hierarchy.scene());
   std::vector<std::unique_ptr<oracle::Oracle>> oracles(terrain::threadCount(threads));
   for (auto& oracle : oracles) oracle = std::make_unique<oracle::Oracle>(oracle::truthOf(scene));
-  const auto compute = [&](size_t i, unsigned worker) {
-    return tablesOf(flyCell(flight, cells[i], *oracles[worker]), flight.seconds);
+  const auto compute = [&](size_t i, unsigned worker) -> Result<CellTables> {
+    const CellFlight flown = flyCell(flight, cells[i], *oracles[worker]);
+    if (!flown.status.ok()) return flown.status.error();
+    return tablesOf(flown, flight.seconds);
   };
+  const auto isKeepable = [&](size_t i) { return cells[i].predictor_command.empty() && cells[i].link_command.empty(); };
   const auto askedOf = [&](size_t i) {
     nlohmann::ordered_json all = asked;
     all.update(apps::toJson(cells[i]));
     return all;
   };
-  return runCells({cells.size(), askedOf, compute, on_progress}, kept, threads);
+  return runCells({cells.size(), askedOf, compute, on_progress, isKeepable}, kept, threads);
 }
 
 Status checkBound(const std::vector<CellTables>& tables) {

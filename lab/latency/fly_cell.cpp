@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lab/external/told_link.h"
+#include "lab/external/told_motion.h"
 #include "oracle/lod_motion.h"
 #include "sim/world.h"
 
@@ -22,11 +24,36 @@ sim::ClientOptions clientOf(const LatencyFlight& flight, const LatencyCell& cell
   client.announce_path = cell.strategy == proto::Strategy::kPredict && cell.predictor == proto::Predictor::kKnownPath;
   sim::LinkPair links = sim::fixedLink(Duration::seconds(1e-3 * cell.round_trip_ms));
   if (cell.link == "trace") links = *flight.trace;
-  if (cell.link != "trace" && cell.link != "fixed") links = sim::linkNamed(cell.link)->links();
+  if (cell.link_command.empty() && cell.link != "trace" && cell.link != "fixed")
+    links = sim::linkNamed(cell.link)->links();
   client.up = links.up;
   client.down = links.down;
   return client;
 }
+
+// The user's programs in one flight; null: ours.
+struct Programs {
+  std::unique_ptr<AskedProgram> predictor, link;
+
+  static Result<Programs> start(const LatencyCell& cell, uint64_t seed) {
+    Programs programs;
+    const auto add = [&](const char* asked, const std::string& command, auto& out) -> Status {
+      if (command.empty()) return {};
+      auto program = AskedProgram::start({"--" + std::string(asked) + "-command", asked}, command, seed);
+      if (!program) return program.error();
+      out = std::move(*program);
+      return {};
+    };
+    if (Status s = add("predictor", cell.predictor_command, programs.predictor); !s.ok()) return s.error();
+    if (Status s = add("link", cell.link_command, programs.link); !s.ok()) return s.error();
+    return programs;
+  }
+  Status status() const {
+    for (const auto* program : {&predictor, &link})
+      if (*program && !(*program)->status().ok()) return (*program)->status();
+    return {};
+  }
+};
 
 // Watches one flight and keeps what is measured of it.
 class Recorder {
@@ -98,8 +125,22 @@ void ShownFrames::add(const client::FrameView& view, Time now) {
 
 CellFlight flyCell(const LatencyFlight& flight, const LatencyCell& cell, oracle::Oracle& oracle) {
   const sim::ComputeTime compute = [&prices = flight.prices](const sim::StepWork& work) { return prices.of(work); };
-  sim::World world(flight.world, {}, compute, flight.seed, sim::Laws::kTrusted);
-  world.addClient(clientOf(flight, cell));
+  const auto programs = Programs::start(cell, flight.seed);
+  if (!programs) {
+    CellFlight failed;
+    failed.status = programs.error();
+    return failed;
+  }
+  server::SessionOptions session;
+  if (programs->predictor)
+    session.foresee = [motion = std::make_shared<ToldMotion>(*programs->predictor)] { return motion->next(); };
+  sim::ClientOptions client = clientOf(flight, cell);
+  if (programs->link) {
+    const sim::LinkPair links = toldLinks(*programs->link);
+    client.up = links.up, client.down = links.down;
+  }
+  sim::World world(flight.world, session, compute, flight.seed, sim::Laws::kTrusted);
+  world.addClient(client);
   Recorder recorder(flight, cell, oracle);
   world.on_frame = [&](size_t, const client::FrameView& view, Time now) { recorder.onFrame(view, now); };
   world.on_keyframe = [&](size_t, const sim::ArrivedKeyframe& k) { recorder.onKeyframe(k); };
@@ -108,6 +149,7 @@ CellFlight flyCell(const LatencyFlight& flight, const LatencyCell& cell, oracle:
   world.run(recorder.end());
   const client::ViewerStatistics& after = world.viewer(0).statistics();
   CellFlight result = recorder.take();
+  result.status = programs->status();
   result.bytes_up = after.bytes_up - before.bytes_up;
   result.bytes_down = after.bytes_down - before.bytes_down;
   return result;

@@ -50,6 +50,7 @@ struct ShownFrames {
 
 struct CellFlight {
   LatencyCell cell;
+  Status status = {};                     // an Error of a program that takes part; then nothing else here is of any use
   std::vector<FrameTerms> frames;         // judged, by time
   std::vector<FlownKeyframe> keyframes;   // that arrived while measured
   uint64_t bytes_up = 0, bytes_down = 0;  // while measured, WebSocket's framing not counted

@@ -16,13 +16,17 @@ using proto::Strategy;
 struct How {
   Strategy strategy;
   Predictor predictor;
+  std::string command = {};
 };
+
+constexpr const char* kProgram = "program";  // among links
 
 struct Axes {
   std::vector<How> hows;
   std::vector<std::string> links;
   std::vector<double> round_trips_ms, taus_px;
   std::vector<proto::KeyframeInterval> keyframes;
+  std::string link_command = {};
 };
 
 Error invalid(const std::string& message) { return {ErrorCode::kInvalidArgument, message}; }
@@ -63,6 +67,12 @@ Result<std::vector<How>> howsOf(const GridRequest& request) {
     if (isWanted(strategies, how.strategy) && (!has_predictor || isWanted(predictors, how.predictor)))
       hows.push_back(how);
   }
+  const bool predicts =
+      strategies.empty() || std::find(strategies.begin(), strategies.end(), Strategy::kPredict) != strategies.end();
+  if (!request.predictor_command.empty() && !predicts)
+    return invalid("--predictor-command is a predictor of the strategy predict; add it to --strategies");
+  if (!request.predictor_command.empty())
+    hows.push_back({Strategy::kPredict, Predictor::kConstantVelocity, request.predictor_command});
   return hows;
 }
 
@@ -92,7 +102,8 @@ void addAll(const Axes& axes, std::vector<LatencyCell>& out) {
       for (const std::string& link : axes.links)
         for (const double round_trip_ms : link == "fixed" ? axes.round_trips_ms : std::vector<double>{0})
           for (const How& how : axes.hows) {
-            const LatencyCell cell{how.strategy, how.predictor, link, round_trip_ms, keyframes, tau_px};
+            const LatencyCell cell{how.strategy, how.predictor, link,        round_trip_ms,
+                                   keyframes,    tau_px,        how.command, link == kProgram ? axes.link_command : ""};
             if (std::find(out.begin(), out.end(), cell) == out.end()) out.push_back(cell);
           }
 }
@@ -101,7 +112,12 @@ void addAll(const Axes& axes, std::vector<LatencyCell>& out) {
 
 std::string LatencyCell::how() const {
   const std::string strategy_name = proto::name(strategy);
-  return strategy == Strategy::kPredict ? strategy_name + " " + proto::name(predictor) : strategy_name;
+  return strategy == Strategy::kPredict ? strategy_name + " " + predictorText() : strategy_name;
+}
+
+std::string LatencyCell::predictorText() const {
+  if (strategy != Strategy::kPredict) return "none";
+  return predictor_command.empty() ? proto::name(predictor) : predictor_command;
 }
 
 Result<std::vector<LatencyCell>> cellsOf(const GridRequest& request) {
@@ -112,6 +128,8 @@ Result<std::vector<LatencyCell>> cellsOf(const GridRequest& request) {
   const bool is_default = request.size == GridSize::kDefault;
   axes.hows = *hows;
   if (!request.links.empty()) axes.links = request.links;
+  axes.link_command = request.link_command;
+  if (!axes.link_command.empty()) axes.links.push_back(kProgram);
   if (!request.round_trips_ms.empty()) axes.round_trips_ms = request.round_trips_ms;
   if (is_default) axes.keyframes = {fixed(200)}, axes.taus_px = {1};
   if (!request.keyframes_ms.empty()) axes.keyframes.clear();
@@ -119,7 +137,7 @@ Result<std::vector<LatencyCell>> cellsOf(const GridRequest& request) {
   if (!request.taus_px.empty()) axes.taus_px = request.taus_px;
   std::vector<LatencyCell> cells;
   addAll(axes, cells);
-  const bool is_narrowed = !request.links.empty() || !request.round_trips_ms.empty();
+  const bool is_narrowed = !request.links.empty() || !request.round_trips_ms.empty() || !request.link_command.empty();
   if (!is_default || is_narrowed || !request.keyframes_ms.empty() || !request.taus_px.empty()) return cells;
 
   Axes beside = axes;

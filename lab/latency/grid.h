@@ -21,16 +21,19 @@ struct LatencyCell {
   double round_trip_ms = 0;                                          // of `fixed` alone
   proto::KeyframeInterval keyframes = {};
   double tau_px = 1;
+  std::string predictor_command = {}, link_command = {};  // programs in their places; empty: none
 
   bool operator==(const LatencyCell&) const = default;
   // For people and plots: `predict kalman`, `delay`.
   std::string how() const;
+  std::string predictorText() const;
+  std::string linkText() const { return link_command.empty() ? link : link_command; }
 
   template <class Visit>
   void fields(const Visit& visit) const {
     visit("strategy", std::string(proto::name(strategy)));
-    visit("predictor", std::string(strategy == proto::Strategy::kPredict ? proto::name(predictor) : "none"));
-    visit("link", link);
+    visit("predictor", predictorText());
+    visit("link", linkText());
     visit("round_trip_ms", round_trip_ms);
     visit("keyframe_ms", keyframes.shortest.toMilliseconds());
     visit("longest_keyframe_ms", keyframes.longest.toMilliseconds());  // 0: fixed
@@ -46,6 +49,7 @@ struct GridRequest {
   std::vector<double> round_trips_ms = {}, taus_px = {};
   std::vector<std::string> keyframes_ms = {};  // as keyframe_interval.h reads them
   GridSize size = GridSize::kDefault;
+  std::string predictor_command = {}, link_command = {};  // one more of the predictors, and of the links
 };
 
 // The cells, each once, in a fixed order. The default grid varies the round trip with all strategies and predictors at

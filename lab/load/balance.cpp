@@ -23,7 +23,27 @@ std::vector<size_t> openOnes(std::span<const ServerLoad> servers) {
   return open;
 }
 
+class OwnBalancer final : public Balancer {
+ public:
+  OwnBalancer(Balance balance, Rng& chance) : balance_(balance), chance_(chance) {}
+  std::optional<size_t> place(std::span<const ServerLoad> servers, const Arrival& arrival) override {
+    return placeViewer(balance_, servers, arrival.turn, chance_);
+  }
+  bool queuesResumed() const override { return balance_ == Balance::kMigrate; }
+  std::optional<Move> move(std::span<const ServerLoad> servers, std::span<const ViewerLoad> viewers, Time) override {
+    return balance_ == Balance::kMigrate ? moveToMake(servers, viewers) : std::nullopt;
+  }
+
+ private:
+  Balance balance_;
+  Rng& chance_;
+};
+
 }  // namespace
+
+std::unique_ptr<Balancer> makeBalancer(Balance balance, Rng& chance) {
+  return std::make_unique<OwnBalancer>(balance, chance);
+}
 
 const char* name(Balance balance) { return kBalances[static_cast<size_t>(balance)]; }
 Result<Balance> balanceNamed(const std::string& name) { return named<Balance>(name, "balance", kBalances); }

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -52,6 +53,31 @@ struct Move {
 // the difference is under `kUneven`, or if the other one pauses.
 std::optional<Move> moveToMake(std::span<const ServerLoad> servers, std::span<const ViewerLoad> viewers);
 inline constexpr double kBusy = 0.7, kUneven = 0.15, kLongestResume_s = 0.06;
+
+// A viewer who is to be placed: at which time, as which of those who have come, and whether it resumes from what it
+// holds.
+struct Arrival {
+  Time now;
+  size_t turn = 0;
+  bool is_resuming = false;
+};
+
+// How viewers are shared among servers in one run; `Balance`'s kinds are one implementation, a program of the user's is
+// another (load_programs.h). One owner, a run's.
+class Balancer {
+ public:
+  virtual ~Balancer() = default;
+  // As placeViewer's.
+  virtual std::optional<size_t> place(std::span<const ServerLoad> servers, const Arrival& arrival) = 0;
+  // Whether viewers who resume wait in a queue, those who hold least first, and are placed as servers have time for
+  // them; otherwise each is placed when it comes, whatever servers pause.
+  virtual bool queuesResumed() const = 0;
+  // As moveToMake's; asked each kBalanceEvery.
+  virtual std::optional<Move> move(std::span<const ServerLoad> servers, std::span<const ViewerLoad> viewers,
+                                   Time now) = 0;
+};
+// `chance` outlives it.
+std::unique_ptr<Balancer> makeBalancer(Balance balance, Rng& chance);
 
 // How fast a server takes viewers who resume: their work fills half of what the others leave of its workers' time, so
 // that those are served meanwhile. Plain data; one owner.

@@ -23,6 +23,7 @@ struct ClusterOptions {
   size_t servers = 1;
   Balance balance = Balance::kRoundRobin;
   std::vector<ServerEvent> events{};  // a server whose first one is a join is not there before
+  std::string balance_command{};      // a program in place of the balance; empty: none
 
   // Whether the server takes viewers at the beginning.
   bool isThere(size_t server) const;

@@ -16,9 +16,9 @@ constexpr double kMaxMissed = 1e-3;
 
 bool isServed(uint64_t keyframes, double missed_share) { return keyframes > 0 && missed_share < kMaxMissed; }
 
-bool isServed(const std::shared_ptr<const server::World>& world, const LoadOptions& options) {
-  const LoadFigures figures = runLoad(world, options).figures;
-  return isServed(figures.keyframes, figures.missed_share);
+bool hasProgram(const LoadOptions& options) {
+  return !(options.order_command.empty() && options.cluster.balance_command.empty() &&
+           options.predictor_command.empty() && options.link_command.empty());
 }
 
 // How the row's viewers were served, however many they were.
@@ -108,7 +108,7 @@ Result<ClusterOptions> clusterOf(const LoadRequest& request) {
   if (Status s = add(request.fails, ServerEvent::What::kFail); !s.ok()) return s.error();
   if (Status s = add(request.drains, ServerEvent::What::kDrain); !s.ok()) return s.error();
   if (Status s = add(request.joins, ServerEvent::What::kJoin); !s.ok()) return s.error();
-  if (cluster.servers < 2 && !(cluster.events.empty() && request.balances.empty()))
+  if (cluster.servers < 2 && !(cluster.events.empty() && request.balances.empty() && request.balance_command.empty()))
     return Error{ErrorCode::kInvalidArgument,
                  "one server can neither fail nor be balanced; ask for several with --servers"};
   if (Status s = checkCluster(cluster, request.base.seconds); !s.ok()) return s.error();
@@ -124,6 +124,9 @@ Status addBalances(const LoadRequest& request, const LoadOptions& options, std::
     runs.push_back(options);
     runs.back().cluster.balance = *balance;
   }
+  if (request.balance_command.empty()) return {};
+  runs.push_back(options);
+  runs.back().cluster.balance_command = request.balance_command;
   return {};
 }
 
@@ -144,6 +147,23 @@ Status addQueues(const LoadRequest& request, LoadOptions options, std::vector<Lo
   return {};
 }
 
+// A policy of ours or, under `command`, of the user's.
+struct Order {
+  LoadPolicy policy = LoadPolicy::kEdf;
+  std::string command{};
+};
+
+Result<std::vector<Order>> ordersOf(const std::vector<std::string>& policies, const std::string& command) {
+  std::vector<Order> orders;
+  for (const std::string& policy_name : policies) {
+    const auto policy = policyNamed(policy_name);
+    if (!policy) return policy.error();
+    orders.push_back({*policy});
+  }
+  if (!command.empty()) orders.push_back({LoadPolicy::kEdf, command});
+  return orders;
+}
+
 }  // namespace
 
 Result<std::vector<LoadOptions>> runsOf(const LoadRequest& request) {
@@ -152,19 +172,21 @@ Result<std::vector<LoadOptions>> runsOf(const LoadRequest& request) {
   const auto orAll = [&](const std::vector<std::string>& asked, const char* usual, std::vector<std::string> all) {
     return !asked.empty() ? asked : cluster->servers > 1 ? std::vector<std::string>{usual} : all;
   };
+  const auto orders =
+      ordersOf(orAll(request.policies, "edf", {"fifo", "edf", "least-laxity", "fair"}), request.order_command);
+  if (!orders) return orders.error();
   std::vector<LoadOptions> runs;
-  for (const std::string& policy_name : orAll(request.policies, "edf", {"fifo", "edf", "least-laxity", "fair"}))
+  for (const Order& order : *orders)
     for (const std::string& phases_name : orAll(request.phases, "random", {"synchronised", "random", "staggered"}))
       for (const std::string& start_name : orAll(request.starts, "early", {"late", "early"})) {
-        const auto policy = policyNamed(policy_name);
-        if (!policy) return policy.error();
         const auto phases = phasesNamed(phases_name);
         if (!phases) return phases.error();
         if (start_name != "late" && start_name != "early")
           return Error{ErrorCode::kInvalidArgument, "there is no start '" + start_name + "'; choose late or early"};
         LoadOptions options = request.base;
         options.cluster = *cluster;
-        options.policy = *policy;
+        options.policy = order.policy;
+        options.order_command = order.command;
         options.phases = *phases;
         options.start = start_name == "late" ? LoadStart::kLate : LoadStart::kEarly;
         if (Status s = addQueues(request, options, runs); !s.ok()) return s.error();
@@ -186,13 +208,18 @@ Result<std::vector<CellTables>> runAll(const std::shared_ptr<const server::World
                                        const std::vector<LoadOptions>& runs, const nlohmann::ordered_json& asked,
                                        const KeptCells& kept, unsigned threads,
                                        const std::function<void(size_t done)>& on_progress) {
-  const auto compute = [&](size_t i, unsigned) { return tablesOf(runLoad(world, runs[i])); };
+  const auto compute = [&](size_t i, unsigned) -> Result<CellTables> {
+    const LoadRun run = runLoad(world, runs[i]);
+    if (!run.status.ok()) return run.status.error();
+    return tablesOf(run);
+  };
+  const auto isKeepable = [&](size_t i) { return !hasProgram(runs[i]); };
   const auto askedOf = [&](size_t i) {
     nlohmann::ordered_json all = asked;
     all.update(askedBy(runs[i]));
     return all;
   };
-  return runCells({runs.size(), askedOf, compute, on_progress}, kept, threads);
+  return runCells({runs.size(), askedOf, compute, on_progress, isKeepable}, kept, threads);
 }
 
 std::vector<nlohmann::ordered_json> capacitiesOf(const std::vector<CellTables>& cells) {
@@ -225,26 +252,36 @@ std::string capacityCsv(const std::vector<nlohmann::ordered_json>& capacities) {
   return table.text();
 }
 
-size_t maxViewers(const std::shared_ptr<const server::World>& world, LoadOptions options) {
+Result<size_t> maxViewers(const std::shared_ptr<const server::World>& world, LoadOptions options) {
   constexpr size_t kMax = 4096;
+  Status status;
   const auto serves = [&](size_t viewers) {
     options.viewers = viewers;
-    return isServed(world, options);
+    const LoadRun run = runLoad(world, options);
+    if (!run.status.ok()) status = run.status;
+    return status.ok() && isServed(run.figures.keyframes, run.figures.missed_share);
   };
   size_t good = 0, bad = std::max<size_t>(options.viewers, 1);
   while (bad <= kMax && serves(bad)) good = bad, bad *= 2;
   while (bad - good > std::max<size_t>(1, good / 20)) {
     const size_t middle = good + (bad - good) / 2;
     (serves(middle) ? good : bad) = middle;
+    if (!status.ok()) break;
   }
+  if (!status.ok()) return status.error();
   return good;
 }
 
 nlohmann::ordered_json askedBy(const LoadOptions& options) {
-  nlohmann::ordered_json asked{{"policy", name(options.policy)}, {"phases", name(options.phases)},
-                               {"start", name(options.start)},   {"slack_ms", options.slack_ms},
-                               {"queues", name(options.queues)}, {"viewers", options.viewers}};
-  if (options.cluster.servers > 1) asked["balance"] = name(options.cluster.balance);
+  const auto called = [](const std::string& command, const char* own) { return command.empty() ? own : command; };
+  nlohmann::ordered_json asked{{"policy", called(options.order_command, name(options.policy))},
+                               {"phases", name(options.phases)},
+                               {"start", name(options.start)},
+                               {"slack_ms", options.slack_ms},
+                               {"queues", name(options.queues)},
+                               {"viewers", options.viewers}};
+  if (options.cluster.servers > 1)
+    asked["balance"] = called(options.cluster.balance_command, name(options.cluster.balance));
   return asked;
 }
 

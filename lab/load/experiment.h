@@ -18,6 +18,7 @@ struct LoadRequest {
   std::vector<double> slacks_ms{LoadOptions{}.slack_ms};            // without early starts they are without effect
   std::vector<std::string> queues{};                                // empty: shared
   std::vector<std::string> balances{}, fails{}, drains{}, joins{};  // of several servers; the last three SERVER@SECONDS
+  std::string balance_command{}, order_command{};                   // one more of the balances, and of the policies
 };
 
 // The runs that are asked for. Errors name what is unknown.
@@ -33,7 +34,8 @@ nlohmann::ordered_json rowOf(const LoadRun& run);
 // those asked for, over time) and moves.csv (viewers who connected again).
 CellTables tablesOf(const LoadRun& run);
 
-// The runs, those that are kept without running them; `asked` says what they share.
+// The runs, those that are kept without running them; `asked` says what they share. Runs in which programs of the
+// user's take part are neither kept nor found, since such a program may have changed; if one fails, its Error.
 Result<std::vector<CellTables>> runAll(const std::shared_ptr<const server::World>& world,
                                        const std::vector<LoadOptions>& runs, const nlohmann::ordered_json& asked,
                                        const KeptCells& kept, unsigned threads,
@@ -48,6 +50,6 @@ std::string capacityCsv(const std::vector<nlohmann::ordered_json>& capacities);
 
 // The largest number of viewers that miss fewer than a thousandth of their deadlines, to a twentieth of it: doubled
 // until too many do, then halved in between. 0 if not even one viewer is served so.
-size_t maxViewers(const std::shared_ptr<const server::World>& world, LoadOptions options);
+Result<size_t> maxViewers(const std::shared_ptr<const server::World>& world, LoadOptions options);
 
 }  // namespace foreland::lab

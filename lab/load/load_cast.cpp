@@ -25,7 +25,8 @@ LoadTours::LoadTours(const terrain::Scene& scene)
 
 LoadCast castOf(const LoadTours& tours, const LoadOptions& options, size_t role, Rng& chance) {
   const Duration offset = Duration::seconds(chance.uniform(0, kTour_s));
-  LoadCast cast{.flight = {tours.survey, offset, {}}, .request = {}, .links = options.links};
+  LoadCast cast{
+      .flight = {tours.survey, offset, Duration::seconds(options.crowd_jump_s)}, .request = {}, .links = options.links};
   cast.request.occlusion = options.occlusion != server::Occlusion::kOff;
   cast.request.tau_px = options.tau_px;
   cast.request.strategy = proto::Strategy::kPredict;
@@ -40,11 +41,13 @@ LoadCast castOf(const LoadTours& tours, const LoadOptions& options, size_t role,
     return cast;
   }
   if (role == 17) {  // nobody knows where it will be
+    cast.is_jumper = true;
     cast.flight.jump_every = Duration::seconds(4);
     cast.request.predictor = proto::Predictor::kConstantVelocity;
   }
   if (role == 18) {
     cast.links.down.trace = nullptr;
+    cast.links.down.carrier = nullptr;
     cast.links.down.bytes_per_second = 256e3 / 8;
   }
   if (role == 19) {

@@ -20,6 +20,7 @@ struct LoadCast {
   LightViewer::Flight flight;
   proto::ViewRequest request;
   sim::LinkPair links;
+  bool is_jumper = false;  // of the mix, whose motion nobody foresees
 };
 
 // The role with this number, of those that Mix lists.

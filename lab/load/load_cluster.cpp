@@ -40,6 +40,7 @@ void LoadSimulation::connect(size_t i) {
     ++turn_;
   }
   session_options_.occlusion_rank = server::OcclusionControl::rankOf(i);
+  session_options_.foresee = v.is_jumper ? nullptr : foresee_;
   v.session = std::make_unique<server::Session>(world_, session_options_);
   servers_[v.server].load->addViewer();
   v.session->setProcessors(server::Processors::kFree, servers_[v.server].load->occlusionShare());
@@ -55,7 +56,7 @@ void LoadSimulation::connect(size_t i) {
   if (auto path = v.light.announce(now_ + v.clock, end_ + v.clock)) send(i, std::move(*path), now_);
 }
 
-// With `migrate` those who resume wait their turn; others find a server if there is one.
+// Where those who resume are queued, they wait their turn; others find a server if there is one.
 std::optional<size_t> LoadSimulation::serverFor(size_t i) {
   Viewer& v = *viewers_[i];
   const auto chosen = std::exchange(v.goes_to, std::nullopt);
@@ -63,9 +64,9 @@ std::optional<size_t> LoadSimulation::serverFor(size_t i) {
   std::vector<ServerLoad> servers = serverLoads();
   if (v.connection == 0)
     for (ServerLoad& server : servers) server.is_pausing = false;
-  else if (options_.cluster.balance == Balance::kMigrate)
+  else if (balancer_->queuesResumed())
     return std::nullopt;
-  return placeViewer(options_.cluster.balance, servers, turn_, balancing_);
+  return balancer_->place(servers, {now_, turn_, v.connection > 0});
 }
 
 void LoadSimulation::wait(size_t i) {
@@ -81,7 +82,7 @@ void LoadSimulation::admit() {
     std::rotate(std::upper_bound(waiting_.begin(), it, *it, holdsLess), it, it + 1);
   while (!waiting_.empty()) {
     Viewer& v = *viewers_[waiting_.front()];
-    v.goes_to = placeViewer(options_.cluster.balance, serverLoads(), turn_, balancing_);
+    v.goes_to = balancer_->place(serverLoads(), {now_, turn_, v.connection > 0});
     if (!v.goes_to) break;
     pace(*v.goes_to, v);
     connect(waiting_.front());
@@ -228,10 +229,9 @@ void LoadSimulation::balance() {
   observeLoads();
   const std::vector<ServerLoad> servers = serverLoads();
   look(servers);
-  if (options_.cluster.balance != Balance::kMigrate) return;
   std::vector<ViewerLoad> viewers;
   for (const auto& v : viewers_) viewers.push_back(loadOf(*v));
-  const auto move = moveToMake(servers, viewers);
+  const auto move = balancer_->move(servers, viewers, now_);
   if (!move) return;
   viewers_[move->viewer]->resume_work = Duration::seconds(viewers[move->viewer].resume_s);
   viewers_[move->viewer]->goes_to = move->to;

@@ -4,6 +4,7 @@
 #include <numeric>
 
 #include "base/quantile.h"
+#include "lab/external/told_link.h"
 #include "lab/load/load_simulation.h"
 #include "lab/load/named.h"
 
@@ -48,9 +49,26 @@ double LoadSimulation::fairness() const {
   return squares > 0 ? sum * sum / (static_cast<double>(viewers_.size()) * squares) : 0;
 }
 
+void LoadSimulation::addVariability(LoadFigures& f) const {
+  if (due_us_.empty()) return;
+  const double intervals = static_cast<double>(due_us_.size());
+  const double budget_us = 1e3 * options_.keyframe_ms * static_cast<double>(options_.workers * servers_.size());
+  const double all_us = static_cast<double>(std::accumulate(due_us_.begin(), due_us_.end(), int64_t{0}));
+  const auto most_us = static_cast<double>(*std::max_element(due_us_.begin(), due_us_.end()));
+  const auto over =
+      std::count_if(due_us_.begin(), due_us_.end(), [&](int64_t us) { return static_cast<double>(us) > budget_us; });
+  if (all_us > 0) f.peak_over_mean = most_us / (all_us / intervals);
+  f.over_budget_share = static_cast<double>(over) / intervals;
+}
+
 LoadRun LoadSimulation::result() const {
-  LoadRun run{
-      .options = options_, .figures = figures_, .viewers = {}, .used = {}, .lateness_ms = lateness_ms_, .cluster = {}};
+  LoadRun run{.options = options_,
+              .status = programs_.status(),
+              .figures = figures_,
+              .viewers = {},
+              .used = {},
+              .lateness_ms = lateness_ms_,
+              .cluster = {}};
   for (const auto& v : viewers_) run.viewers.push_back(v->tally);
   LoadFigures& f = run.figures;
   std::sort(run.lateness_ms.begin(), run.lateness_ms.end());
@@ -70,6 +88,8 @@ LoadRun LoadSimulation::result() const {
   }
   for (const double used : run.used) f.utilisation += used / static_cast<double>(run.used.size());
   f.utilisation_peak = quantile(run.used, 0.99);
+  f.at_once_p99_ms = quantile(at_once_ms_, 0.99);
+  addVariability(f);
   f.jain = fairness();
   f.shares = sharesOf(work_, options_.prices);
   if (isCluster()) addClusterResult(run);
@@ -77,7 +97,16 @@ LoadRun LoadSimulation::result() const {
 }
 
 LoadRun runLoad(const std::shared_ptr<const server::World>& world, const LoadOptions& options) {
-  LoadSimulation simulation(world, options);
+  auto programs = LoadPrograms::start(options);
+  if (!programs) {
+    LoadRun failed;
+    failed.options = options;
+    failed.status = programs.error();
+    return failed;
+  }
+  LoadOptions with_links = options;
+  if (programs->link) with_links.links = toldLinks(*programs->link);
+  LoadSimulation simulation(world, with_links, *programs);
   simulation.run();
   return simulation.result();
 }

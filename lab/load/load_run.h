@@ -40,6 +40,7 @@ Result<Mix> mixNamed(const std::string& name);
 
 struct LoadOptions {
   LoadPolicy policy = LoadPolicy::kEdf;
+  std::string order_command{};  // a program in its place; empty: none
   Phases phases = Phases::kRandom;
   LoadStart start = LoadStart::kLate;
   double slack_ms = server::SessionOptions{}.slack.toMilliseconds();  // with kEarly
@@ -52,9 +53,15 @@ struct LoadOptions {
   // of what is measured on; 0: all come in the run-in.
   size_t before_step = 0;
   double step_s = 5;
+  // Somebody else on the machine takes this share of the workers' time, kNeighbourFor of each kNeighbourEvery, from the
+  // beginning of what is measured on; 0: nobody.
+  double neighbour = 0;
+  double crowd_jump_s = 0;  // all viewers jump each time so much has gone by, within one keyframe interval; 0: never
   double tau_px = 2, keyframe_ms = 200;
   proto::Predictor predictor = proto::Predictor::kConstantVelocity;  // of those who do not jump
+  std::string predictor_command{};                                   // a program in its place; empty: none
   sim::LinkPair links = sim::fixedLink(Duration::milliseconds(50));  // of all, but that one of 20 is slow
+  std::string link_command{};                                        // a program in their place; empty: none
   // Unless it is off viewers ask for it; the world must have what it needs.
   server::Occlusion occlusion = server::Occlusion::kOff;
   sim::ComputePrices prices{};
@@ -64,18 +71,24 @@ struct LoadOptions {
 // From when a viewer asks until it sends its first pose.
 inline constexpr Duration kFirstPose = Duration::milliseconds(1);
 inline constexpr Duration kUtilisationBin = Duration::milliseconds(20);
+inline constexpr Duration kNeighbourEvery = Duration::milliseconds(2000), kNeighbourFor = Duration::milliseconds(500);
 
 struct LoadFigures {
   uint64_t keyframes = 0, missed = 0, skipped = 0, late_at_viewers = 0;
   double latest_at_viewers_ms = 0;  // after the time from which it was to be shown
   double largest_tau_px = 0;        // that a keyframe stated
-  uint64_t at_once = 0;  // keyframes after a jump, which have no deadline and are in none of the other figures
+  uint64_t at_once = 0;       // keyframes after a jump, which have no deadline and are in none of the other figures
+  double at_once_p99_ms = 0;  // from when those were due to their end
   double missed_share = 0;
   double lateness_p50_ms = 0, lateness_p99_ms = 0, lateness_max_ms = 0;  // of the end, after the deadline
   double utilisation = 0, utilisation_peak = 0;  // the peak: in the busiest hundredth of the bins
-  double jain = 0;                               // fairness of keyframes in time over those asked for
-  double work_mean_ms = 0, work_p99_ms = 0;      // of a keyframe
-  double ahead_mean_ms = 0;                      // how much before its deadline a keyframe was begun
+  // Of the work that falls due in each keyframe interval: the most over the mean, and the share of the intervals in
+  // which it is more than all workers have time for. So Eickhoff et al. look at a game's ticks ("Meterstick:
+  // Benchmarking Performance Variability in Cloud and Self-hosted Minecraft-like Games", ICPE 2023).
+  double peak_over_mean = 0, over_budget_share = 0;
+  double jain = 0;                           // fairness of keyframes in time over those asked for
+  double work_mean_ms = 0, work_p99_ms = 0;  // of a keyframe
+  double ahead_mean_ms = 0;                  // how much before its deadline a keyframe was begun
   // Of the priced time: keyframe, tested, swept, changed, measured, bytes, resumed, hidden.
   std::array<double, 8> shares{};
 
@@ -85,6 +98,7 @@ struct LoadFigures {
     visit("missed", missed);
     visit("missed_share", missed_share);
     visit("at_once", at_once);
+    visit("at_once_p99_ms", at_once_p99_ms);
     visit("skipped", skipped);
     visit("late_at_viewers", late_at_viewers);
     visit("latest_at_viewers_ms", latest_at_viewers_ms);
@@ -94,6 +108,8 @@ struct LoadFigures {
     visit("lateness_max_ms", lateness_max_ms);
     visit("utilisation", utilisation);
     visit("utilisation_peak", utilisation_peak);
+    visit("peak_over_mean", peak_over_mean);
+    visit("over_budget_share", over_budget_share);
     visit("jain", jain);
     visit("work_mean_ms", work_mean_ms);
     visit("work_p99_ms", work_p99_ms);
@@ -106,6 +122,7 @@ struct LoadFigures {
 
 struct LoadRun {
   LoadOptions options;
+  Status status{};  // an Error of a program that takes part; then nothing else here is of any use
   LoadFigures figures;
   std::vector<ViewerTally> viewers;
   std::vector<double> used;           // share of the workers' time, bin by bin

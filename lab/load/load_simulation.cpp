@@ -4,26 +4,14 @@
 #include <utility>
 
 #include "base/check.h"
+#include "lab/external/told_motion.h"
 
 namespace foreland::lab {
 
-namespace {
-
 using server::Session;
 
-// Servers take jobs by their deadlines; the other orders are here to be compared with that.
-Time releaseOf(const server::Due& due) { return due.release; }
-Time laxityOf(const server::Due& due) { return due.deadline - due.work; }
-
-server::JobKey keyOf(LoadPolicy policy) {
-  if (policy == LoadPolicy::kFifo) return releaseOf;
-  return policy == LoadPolicy::kLeastLaxity ? laxityOf : server::deadlineOf;
-}
-
-}  // namespace
-
-LoadSimulation::Server::Server(const LoadOptions& options, size_t bins)
-    : queues(options.queues, options.workers, keyOf(options.policy)),
+LoadSimulation::Server::Server(const LoadOptions& options, server::JobKey keyOf, size_t bins)
+    : queues(options.queues, options.workers, keyOf),
       is_free(options.workers, true),
       load(std::make_unique<server::Load>(options.workers)),
       busy_us(bins) {}
@@ -34,19 +22,27 @@ LoadSimulation::Viewer::Viewer(const LoadViewer& viewer, LightViewer::Holds hold
       up(links.up, viewer.link_seed),
       down(links.down, viewer.link_seed + 1),
       seeds(viewer.link_seed),
-      clock(viewer.clock) {}
+      clock(viewer.clock),
+      is_jumper(viewer.cast.is_jumper) {}
 
-LoadSimulation::LoadSimulation(std::shared_ptr<const server::World> world, const LoadOptions& options)
+LoadSimulation::LoadSimulation(std::shared_ptr<const server::World> world, const LoadOptions& options,
+                               LoadPrograms& programs)
     : world_(std::move(world)),
       options_(options),
       begin_(Time::seconds(options.run_in_s)),
       end_(begin_ + Duration::seconds(options.seconds)),
+      programs_(programs),
+      order_(programs.order ? toldOrder(*programs.order) : makeOrder(options.policy)),
+      balancer_(programs.balance ? toldBalancer(*programs.balance) : makeBalancer(options.cluster.balance, balancing_)),
       balancing_(options.seed + 1) {
+  if (programs.predictor)
+    foresee_ = [motion = std::make_shared<ToldMotion>(*programs.predictor)] { return motion->next(); };
   const size_t bins = static_cast<size_t>((end_ - begin_).us / kUtilisationBin.us) + 1;
-  for (size_t s = 0; s < options.cluster.servers; ++s) servers_.emplace_back(options, bins);
+  for (size_t s = 0; s < options.cluster.servers; ++s) servers_.emplace_back(options, order_->key(), bins);
   if (options.start == LoadStart::kEarly) session_options_.max_early = Duration::seconds(0.5e-3 * options.keyframe_ms);
   session_options_.occlusion = options.occlusion;
   session_options_.slack = Duration::seconds(1e-3 * options.slack_ms);
+  due_us_.resize(static_cast<size_t>(1e3 * options.seconds / options.keyframe_ms + 1e-9));
   addViewers(world_);
   if (isCluster()) addClusterEvents();
 }
@@ -63,7 +59,7 @@ void LoadSimulation::addViewers(const std::shared_ptr<const server::World>& worl
 }
 
 void LoadSimulation::run() {
-  while (!events_.empty() && events_.top().at <= end_) {
+  while (!events_.empty() && events_.top().at <= end_ && programs_.status().ok()) {
     const Event event = events_.top();
     events_.pop();
     now_ = std::max(now_, event.at);
@@ -151,7 +147,7 @@ void LoadSimulation::schedule(size_t i) {
   const auto due = v.session->due();
   if (!due) return;
   server::Due job{due->release, due->deadline, due->is_costly, due->work, due->earliest};
-  if (options_.policy == LoadPolicy::kFair) job.deadline = job.deadline + v.deficit.wait(share());
+  order_->place(job, {i, v.deficit, share()}, now_);
   v.ticket = queues.add(i, job, [this, i](size_t worker) { step(i, worker); });
   v.is_queued = true;
 }
@@ -203,9 +199,10 @@ void LoadSimulation::step(size_t i, size_t worker) {
   for (const Bytes& message : v.out) bytes += message.size();
   const sim::StepWork work = sim::StepWork::between(before, *v.session, bytes);
   v.is_keyframe = work.keyframes > 0;
-  v.work = options_.prices.of(work);
+  v.work = slowed(options_.prices.of(work));
   if (v.is_keyframe && due) server.load->addWait(now_ - due->release);
   if (before.keyframes > 0) v.used_s += v.work.toSeconds();
+  noteDue(due ? due->release : now_, v.work);
   if (isMeasured()) {
     figures_.skipped += v.session->statistics().skipped_keyframes - before.skipped_keyframes;
     figures_.ahead_mean_ms += v.is_keyframe && v.has_deadline ? (v.deadline - now_).toMilliseconds() : 0;
@@ -242,11 +239,24 @@ void LoadSimulation::count(Viewer& v) {
   v.in_time += is_in_time;
   if (isCluster()) in_time_[static_cast<size_t>((now_ - begin_).us / kClusterBin.us)] += is_in_time;
   figures_.at_once += !v.has_deadline;
+  if (!v.has_deadline) at_once_ms_.push_back((now_ - v.deadline).toMilliseconds());
   if (!v.has_deadline) return;
   ++figures_.keyframes;
   figures_.missed += now_ > v.deadline;
   lateness_ms_.push_back((now_ - v.deadline).toMilliseconds());
   work_ms_.push_back(v.work.toMilliseconds());
+}
+
+// What is begun while the neighbour is there takes longer; a step is short beside that time.
+Duration LoadSimulation::slowed(Duration work) const {
+  const bool is_beside = now_ >= begin_ && (now_ - begin_).us % kNeighbourEvery.us < kNeighbourFor.us;
+  return is_beside ? Duration::seconds(work.toSeconds() / (1 - options_.neighbour)) : work;
+}
+
+void LoadSimulation::noteDue(Time due, Duration work) {
+  if (due < begin_) return;
+  const auto interval = static_cast<size_t>((due - begin_).toMilliseconds() / options_.keyframe_ms);
+  if (interval < due_us_.size()) due_us_[interval] += work.us;
 }
 
 void LoadSimulation::use(Server& server, Time from, Time to) {

@@ -3,14 +3,17 @@
 #pragma once
 
 #include <deque>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <queue>
 #include <span>
 #include <vector>
 
+#include "lab/load/job_order.h"
 #include "lab/load/light_viewer.h"
 #include "lab/load/load_cast.h"
+#include "lab/load/load_programs.h"
 #include "lab/load/load_run.h"
 #include "lab/load/worker_queues.h"
 #include "server/net/metrics/load.h"
@@ -25,14 +28,15 @@ inline constexpr Duration kBalanceEvery = Duration::milliseconds(250);
 
 class LoadSimulation {
  public:
-  LoadSimulation(std::shared_ptr<const server::World> world, const LoadOptions& options);
+  // `programs` outlives this.
+  LoadSimulation(std::shared_ptr<const server::World> world, const LoadOptions& options, LoadPrograms& programs);
 
   void run();
   LoadRun result() const;
 
  private:
   struct Server {
-    Server(const LoadOptions& options, size_t bins);
+    Server(const LoadOptions& options, server::JobKey keyOf, size_t bins);
     WorkerQueues queues;
     std::vector<bool> is_free;  // by worker
     size_t costly_running = 0;
@@ -49,6 +53,7 @@ class LoadSimulation {
     sim::Link up, down;
     Rng seeds;
     Duration clock;  // the viewer's less the server's
+    bool is_jumper;
     ViewerTally tally;
 
     // Of the connection; `session` is null while there is none.
@@ -144,6 +149,9 @@ class LoadSimulation {
   double share() const;
   bool isMeasured() const { return now_ >= begin_ && now_ < end_; }
   double fairness() const;
+  void addVariability(LoadFigures& figures) const;
+  Duration slowed(Duration work) const;
+  void noteDue(Time due, Duration work);
   void addClusterResult(LoadRun& run) const;
 
   std::shared_ptr<const server::World> world_;
@@ -156,6 +164,10 @@ class LoadSimulation {
   std::priority_queue<Event> events_;
   uint64_t next_sequence_ = 0;
 
+  LoadPrograms& programs_;
+  std::unique_ptr<JobOrder> order_;
+  std::unique_ptr<Balancer> balancer_;
+  std::function<std::unique_ptr<server::Foresight>()> foresee_;  // of viewers who do not jump; empty: their predictors
   Rng balancing_;  // chance of the balancer and of viewers who wait before they connect again
   size_t turn_ = 0;
   double mean_load_ = 0;
@@ -166,7 +178,8 @@ class LoadSimulation {
   std::vector<uint64_t> in_time_;  // keyframes, by kClusterBin
   std::vector<ServerLook> looks_taken_;
 
-  std::vector<double> lateness_ms_, work_ms_;
+  std::vector<double> lateness_ms_, work_ms_, at_once_ms_;
+  std::vector<int64_t> due_us_;  // work by the whole keyframe interval in which it falls due
   sim::StepWork work_;
   LoadFigures figures_;
 };

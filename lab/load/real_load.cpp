@@ -116,7 +116,11 @@ Status checkRealCluster(const ClusterOptions& cluster) {
 }  // namespace
 
 Status checkReal(const LoadOptions& options) {
+  if (!(options.order_command.empty() && options.cluster.balance_command.empty() && options.predictor_command.empty() &&
+        options.link_command.empty()))
+    return Error{ErrorCode::kInvalidArgument, "in real time no program takes part by --...-command"};
   if (Status s = checkRealCluster(options.cluster); !s.ok()) return s;
+  if (options.neighbour > 0) return refuse("no neighbour takes processors");
   if (options.policy != LoadPolicy::kFair) return refuse("the policy is fair");
   if (options.start != LoadStart::kEarly) return refuse("starts are early");
   if (options.queues != LoadQueues::kShared) return refuse("the queue is shared");

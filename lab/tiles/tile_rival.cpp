@@ -93,9 +93,13 @@ RivalFigures flyOurs(const RivalFlight& flight, oracle::Oracle& oracle) {
   client.path = flight.path;
   client.up = flight.links.up;
   client.down = flight.links.down;
-  sim::World world(
-      flight.world, {}, [&](const sim::StepWork& work) { return flight.prices.of(work); }, flight.seed,
-      sim::Laws::kTrusted);
+  Duration computed;
+  const auto compute = [&](const sim::StepWork& work) {
+    const Duration took = flight.prices.of(work);
+    computed = computed + took;
+    return took;
+  };
+  sim::World world(flight.world, {}, compute, flight.seed, sim::Laws::kTrusted);
   world.addClient(client);
   Judge judge(flight, oracle);
   uint32_t version = 0;
@@ -115,14 +119,19 @@ RivalFigures flyOurs(const RivalFlight& flight, oracle::Oracle& oracle) {
     judge.note(view.mesh->triangleCount(), *std::max_element(moved_px.begin(), moved_px.end()), is_settled);
   };
   world.run(Time{} + kTilesStanding);
-  const uint64_t before = world.viewer(0).statistics().bytes_down;
+  const auto requests = [&] { return world.traffic(0).poses.messages + world.traffic(0).other_up.messages; };
+  const uint64_t before = world.viewer(0).statistics().bytes_down, requests_before = requests();
+  const Duration computed_before = computed;
   world.run(endOf(flight));
   RivalFigures figures = judge.take();
   figures.way = "foreland";
   figures.asked_px = flight.tau_px;
   figures.bytes = figures.bytes_once = world.viewer(0).statistics().bytes_down;
   figures.bytes_in_flight = figures.bytes - before;
-  figures.requests = world.traffic(0).poses.messages + world.traffic(0).other_up.messages;
+  figures.requests = requests();
+  figures.requests_in_flight = figures.requests - requests_before;
+  figures.compute_ms = computed.toMilliseconds();
+  figures.compute_in_flight_ms = (computed - computed_before).toMilliseconds();
   return figures;
 }
 
@@ -130,14 +139,16 @@ Result<RivalFigures> flyTiles(const RivalFlight& flight, const TileOptions& opti
                               oracle::Oracle& oracle) {
   TileClient client(tree, options);
   Judge judge(flight, oracle);
-  uint64_t before = 0;
+  uint64_t before = 0, requests_before = 0;
   for (Time now; now < endOf(flight); now = now + kFrame) {
     const proto::Pose pose = flight.path.at(now);
     const auto frame = client.frame(now, pose);
     if (!frame) return frame.error();
     judge.look(now, client.statistics().bytes, frame->triangles, frame->is_complete);
-    if (!judge.isInFlight(now)) before = client.statistics().bytes;
-    if (!judge.isInFlight(now)) continue;
+    if (!judge.isInFlight(now)) {
+      before = client.statistics().bytes, requests_before = client.statistics().requests;
+      continue;
+    }
     if (judge.isJudged()) judge.judge(tree.drawn(frame->drawn, pose.eye), 1, pose);
     judge.note(frame->triangles, frame->jump_px, frame->is_complete);
   }
@@ -148,6 +159,7 @@ Result<RivalFigures> flyTiles(const RivalFlight& flight, const TileOptions& opti
   figures.bytes_once = client.statistics().bytes_once;
   figures.bytes_in_flight = figures.bytes - before;
   figures.requests = client.statistics().requests;
+  figures.requests_in_flight = figures.requests - requests_before;
   return figures;
 }
 

@@ -45,6 +45,9 @@ struct RivalFigures {
   uint64_t bytes_once = 0;          // of different tiles; of foreland the same as bytes
   uint64_t bytes_in_flight = 0;     // after the camera has begun to move
   uint64_t requests = 0;            // messages up: poses, or tiles
+  uint64_t requests_in_flight = 0;  // of those
+  double compute_ms = 0;            // of the server's processor, at its prices; tiles are files
+  double compute_in_flight_ms = 0;  // of that
   double triangles = 0;             // mean
   double rms_px = 0, max_px = 0;    // against the truth, in flight, one frame each second
   double jump_max_px = 0;           // the largest motion of a vertex by level of detail in a frame
@@ -60,6 +63,9 @@ struct RivalFigures {
     visit("bytes_once", bytes_once);
     visit("bytes_in_flight", bytes_in_flight);
     visit("requests", requests);
+    visit("requests_in_flight", requests_in_flight);
+    visit("compute_ms", compute_ms);
+    visit("compute_in_flight_ms", compute_in_flight_ms);
     visit("triangles", triangles);
     visit("rms_px", rms_px);
     visit("max_px", max_px);

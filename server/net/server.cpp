@@ -13,6 +13,7 @@
 #include <functional>
 #include <future>
 #include <optional>
+#include <span>
 #include <string_view>
 #include <thread>
 #include <utility>
@@ -25,6 +26,7 @@
 #include "server/net/http_connection.h"
 #include "server/net/listener.h"
 #include "server/net/memory_return.h"
+#include "server/net/rebalance.h"
 #include "server/net/repeater.h"
 #include "server/net/viewer_connection.h"
 #include "server/sched/pool.h"
@@ -64,7 +66,10 @@ class Server::Impl {
     if (Status status = check(options_.gate); !status.ok()) return status;
     if (Status status = loadTls(); !status.ok()) return status;
     if (Status status = listener_.open(options_.listen, "--listen"); !status.ok()) return status;
-    return options_.metrics_listen ? metrics_listener_.open(*options_.metrics_listen, "--metrics-listen") : Status();
+    if (options_.metrics_listen)
+      if (Status status = metrics_listener_.open(*options_.metrics_listen, "--metrics-listen"); !status.ok())
+        return status;
+    return options_.agent_listen ? agent_listener_.open(*options_.agent_listen, "--agent-listen") : Status();
   }
 
   // A null one if there is to be none.
@@ -79,14 +84,14 @@ class Server::Impl {
   }
 
   void start() {
-    listener_.accept();
-    if (options_.metrics_listen) metrics_listener_.accept();
+    resumeListeners();
     watch();
     io_thread_ = std::jthread([this] { runIo(); });
   }
 
   uint16_t port() const { return listener_.port(); }
   uint16_t metricsPort() const { return metrics_listener_.port(); }
+  uint16_t agentPort() const { return agent_listener_.port(); }
 
   void drain(Duration most) {
     net::post(io_, [this, most] { beginDrain(most); });
@@ -114,9 +119,14 @@ class Server::Impl {
       });
   }
 
-  void resumeLoops() {
+  void resumeListeners() {
     listener_.accept();
     if (options_.metrics_listen) metrics_listener_.accept();
+    if (options_.agent_listen) agent_listener_.accept();
+  }
+
+  void resumeLoops() {
+    resumeListeners();
     for (Repeater* loop : {&watch_, &drain_loop_, &leave_loop_}) loop->resume();
   }
 
@@ -163,7 +173,7 @@ class Server::Impl {
       serveHttp(std::move(socket), Admission::kMetrics, context_);
   }
 
-  // Says why, and does not wait for whether it is read.
+  // Says why.
   void turnAway(tcp::socket socket, RefusedFor reason, const std::string& why) {
     metrics_.count(reason);
     context_.log(Severity::kDebug, "turned a connection away: " + why);
@@ -177,9 +187,21 @@ class Server::Impl {
           "Content-Type: text/plain; charset=utf-8\r\nContent-Length: {}\r\n\r\n{}",
           rules, kBody.size(), kBody);
     }();
+    sayAndClose(socket, reply);
+  }
+
+  // HAProxy connects every few seconds and reads one line. "ready" takes back the "drain" of a server of this name
+  // before.
+  void tellWeight(tcp::socket socket) {
+    const bool is_leaving = is_stopping_ || context_.is_draining;
+    sayAndClose(socket, is_leaving ? "drain\n" : fmt::format("ready {}%\n", host_.weightPercent()));
+  }
+
+  // Whether it is read is not waited for.
+  static void sayAndClose(tcp::socket& socket, std::string_view line) {
     ErrorOf ignored;
     socket.non_blocking(true, ignored);
-    socket.write_some(net::buffer(reply), ignored);
+    socket.write_some(net::buffer(line), ignored);
     socket.shutdown(tcp::socket::shutdown_send, ignored);
   }
 
@@ -194,12 +216,26 @@ class Server::Impl {
   void watch() {
     watch_.start(std::min(Duration{options_.idle_timeout.us / 4}, Duration::seconds(1)), [this] {
       const Time now = clock_();
-      for (const auto& viewer : everyViewer()) viewer->check(now);
+      const auto everyone = everyViewer();
+      for (const auto& viewer : everyone) viewer->check(now);
+      relieve(everyone, now);
       if (memory_return_.isDue(context_.viewers.size(), now))
         pool_.submit({.release = now, .deadline = now + Duration::seconds(10), .is_costly = true},
                      [](size_t) { MemoryReturn::run(); });
       return true;
     });
+  }
+
+  // Where a balancer is told how busy this server is, who has to leave finds another one.
+  void relieve(std::span<const std::shared_ptr<ViewerConnection>> everyone, Time now) {
+    if (!options_.agent_listen || context_.is_draining) return;
+    std::vector<Rebalance::Viewer> viewers;
+    for (const auto& viewer : everyone)
+      viewers.push_back({viewer->isMigrating() ? 0 : viewer->cost(), viewer->openedAt()});
+    for (const size_t i : rebalance_.choose(viewers, host_.load(), host_.isOverloaded(), pool_.threadCount(), now)) {
+      everyone[i]->migrate();
+      ++metrics_.migrated;
+    }
   }
 
   void beginDrain(Duration most) {
@@ -225,6 +261,7 @@ class Server::Impl {
     is_stopping_ = true;
     listener_.close();
     metrics_listener_.close();
+    agent_listener_.close();
     watch_.stop();
     guarded([this] {
       for (const auto& viewer : everyViewer())
@@ -248,6 +285,7 @@ class Server::Impl {
                                        .uptime_s = (clock_() - started_at_).toSeconds(),
                                        .process = processMetrics(),
                                        .threads = pool_.threadCount(),
+                                       .load = host_.load(),
                                        .queue_depth = pool_.queueDepth(),
                                        .lateness = &pool_.lateness()});
   }
@@ -267,10 +305,12 @@ class Server::Impl {
   ServerContext context_;
   Listener listener_{io_, eventsOf([this](tcp::socket socket) { admit(std::move(socket)); })};
   Listener metrics_listener_{io_, eventsOf([this](tcp::socket socket) { admitOperator(std::move(socket)); })};
+  Listener agent_listener_{io_, eventsOf([this](tcp::socket socket) { tellWeight(std::move(socket)); })};
   Repeater watch_{io_, [this](const char* what) { failed(what); }};
   Repeater drain_loop_{io_, [this](const char* what) { failed(what); }};
   Repeater leave_loop_{io_, [this](const char* what) { failed(what); }};
   MemoryReturn memory_return_;  // I/O thread
+  Rebalance rebalance_;         // I/O thread
   std::optional<Drain> drain_;  // I/O thread
   std::promise<void> drained_;
   std::chrono::steady_clock::time_point stop_by_;
@@ -297,6 +337,7 @@ Server::Server(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 Server::~Server() = default;
 uint16_t Server::port() const { return impl_->port(); }
 uint16_t Server::metricsPort() const { return impl_->metricsPort(); }
+uint16_t Server::agentPort() const { return impl_->agentPort(); }
 Status Server::reloadTls() { return impl_->loadTls(); }
 void Server::drain(Duration most) { impl_->drain(most); }
 void Server::stop() { impl_->stop(); }

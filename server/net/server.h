@@ -28,12 +28,14 @@ struct ServeOptions {
   ListenAddress listen;
   // A port of its own for /metrics, which the other then has not, and for /livez and /readyz.
   std::optional<ListenAddress> metrics_listen;
+  // A port for HAProxy's agent-check: whoever connects is told in a line what part of its share this server should get.
+  std::optional<ListenAddress> agent_listen;
   std::string version;  // of the program, for /metrics
   size_t threads = 2;
   SessionOptions session;
   HostLimits limits;
   std::filesystem::path web;  // directory of the page's files; empty for no page
-  // More files by their paths in URLs: the images of the scene's models.
+  // More files by their paths in URLs: the images of the scene's models, overlays.
   std::map<std::string, std::string> files;
   GateOptions gate;
   // Of TLS on the public port; both empty for none.
@@ -61,6 +63,7 @@ class Server {
 
   uint16_t port() const;
   uint16_t metricsPort() const;  // 0 if there is none
+  uint16_t agentPort() const;    // likewise
 
   // Reads the certificate and its key again, for connections to come. An Error changes nothing. Owner's thread.
   Status reloadTls();

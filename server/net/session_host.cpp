@@ -182,9 +182,9 @@ void SessionActor::charge(Duration spent, Time now) {
   const double elapsed_s = std::max(1e-6, (now - charged_at_).toSeconds());
   charged_at_ = now;
   deficit_.charge(spent, now, host_.load_.fairShare(host_.metrics_.flying));
-  cost_ += (1 - std::exp(-elapsed_s / kMemory_s)) * (spent.toSeconds() / elapsed_s - cost_);
+  cost_ = cost() + (1 - std::exp(-elapsed_s / kMemory_s)) * (spent.toSeconds() / elapsed_s - cost());
   host_.load_.add(spent, now);
-  session_.setProcessors(host_.load_.processorsFor(cost_, host_.metrics_.flying), host_.load_.occlusionShare());
+  session_.setProcessors(host_.load_.processorsFor(cost(), host_.metrics_.flying), host_.load_.occlusionShare());
 }
 
 Due SessionActor::fairly(Due due) const {

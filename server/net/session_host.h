@@ -53,6 +53,9 @@ class SessionHost {
 
   // Whether the workers are too busy for further viewers. Any thread.
   bool isOverloaded() const { return load_.isOverloaded(clock_()); }
+  // The share of the workers' time that was used of late.
+  double load() const { return load_.busyAt(clock_()); }
+  int weightPercent() const { return load_.weightPercent(clock_()); }
 
  private:
   friend class SessionActor;
@@ -87,6 +90,9 @@ class SessionActor : public std::enable_shared_from_this<SessionActor> {
   // Whether the session failed and could not even tell the outlet, for want of memory. It does nothing any more; the
   // viewer is to be refused.
   bool hasFailed() const { return has_failed_.load(std::memory_order_relaxed); }
+
+  // Of one worker's time, over some seconds.
+  double cost() const { return cost_.load(std::memory_order_relaxed); }
 
   // To be called when the viewer is gone. The session takes no further step; one in progress still ends.
   void close();
@@ -137,8 +143,8 @@ class SessionActor : public std::enable_shared_from_this<SessionActor> {
   uint64_t jumps_counted_ = 0;
   int64_t kept_bytes_ = 0;  // as counted last
   Time charged_at_;
-  Deficit deficit_;  // of processor time used beyond the even share
-  double cost_ = 0;  // of one worker's time; smoothed over some seconds
+  Deficit deficit_;              // of processor time used beyond the even share
+  std::atomic<double> cost_{0};  // of one worker's time; smoothed over some seconds; set with the lease
 };
 
 }  // namespace foreland::server

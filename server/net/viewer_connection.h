@@ -44,6 +44,10 @@ class ViewerConnection : public std::enable_shared_from_this<ViewerConnection> {
   void migrate();
   bool isMigrating() const { return migration_.isAsked(); }
 
+  // What it takes of one worker's time, over some seconds, and when it came.
+  double cost() const { return actor_ ? actor_->cost() : 0; }
+  Time openedAt() const { return opened_at_; }
+
   // Closes the connection if the viewer sends nothing, reads nothing, or does not answer a close frame in time, if its
   // token has expired, or if its session failed. Must be called now and then, since the connection has no timer.
   // Handshakes have a timeout of their own.

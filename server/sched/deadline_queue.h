@@ -28,6 +28,7 @@ using Job = std::function<void(size_t worker)>;
 // Of the released jobs, the one with the earliest key is next.
 using JobKey = Time (*)(const Due&);
 inline Time deadlineOf(const Due& due) { return due.deadline; }
+inline Time toldKey(const Due& due) { return due.key; }
 
 class DeadlineQueue {
  public:

@@ -15,6 +15,7 @@ struct Due {
   Duration work{};         // how long it is expected to take; 0: nothing is planned for it
   // From when it may be started, if others would be late otherwise; nothing: not before its release.
   std::optional<Time> earliest{};
+  Time key{};  // of orders that are told it from outside (toldKey); others do without
 };
 
 }  // namespace foreland::server

@@ -8,7 +8,9 @@
 namespace foreland::server {
 
 Session::Session(std::shared_ptr<const World> world, const SessionOptions& options)
-    : world_(std::move(world)), options_(options), sender_(world_->hierarchy) {}
+    : world_(std::move(world)), options_(options), sender_(world_->hierarchy) {
+  if (options_.foresee) input_.motion().foreseeBy(options_.foresee());
+}
 
 Status Session::receive(ByteSpan bytes, Time now) {
   advance(now);

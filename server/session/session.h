@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <deque>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -68,6 +69,8 @@ struct SessionOptions {
   Occlusion occlusion = Occlusion::kOn;
   // OcclusionControl::next() takes this rank of the viewer.
   double occlusion_rank = 0;
+  // Makes what takes the place of the predictor that the viewer asks for, unless that is a known path; empty: nothing.
+  std::function<std::unique_ptr<Foresight>()> foresee{};
 };
 
 // Each worker has one SessionScratch, and lends it to the step that it runs.

@@ -6,7 +6,8 @@ namespace foreland::server {
 
 proto::Pose ExpectedMotion::at(Time t) const {
   if (path_) return path_->at(t);
-  return t <= history_->newest().time ? history_->at(t) : history_->predict(predictor_, t);
+  if (t <= history_->newest().time) return history_->at(t);
+  return told_ ? history_->predict(*told_, t) : history_->predict(predictor_, t);
 }
 
 std::optional<Time> ExpectedMotion::guessedUntil() const {
@@ -21,12 +22,12 @@ std::optional<Time> ExpectedMotion::nextCorner(Time t) const {
 double ExpectedMotion::maxAcceleration(Time begin, Time end) const {
   if (path_) return path_->maxAcceleration(begin, end);
   const bool is_ahead = begin >= history_->newest().time && begin < history_->newest().time + PoseHistory::kHorizon;
-  return is_ahead ? glm::length(history_->extrapolate(predictor_).acceleration) : 0;
+  return is_ahead ? glm::length(extrapolation().acceleration) : 0;
 }
 
 double ExpectedMotion::turn(Time begin, Time end) const {
   if (!path_ && begin >= history_->newest().time && begin < history_->newest().time + PoseHistory::kHorizon)
-    return history_->extrapolate(predictor_).turnRate() * (end - begin).toSeconds();
+    return extrapolation().turnRate() * (end - begin).toSeconds();
   return proto::angleBetween(at(begin).orientation, at(end).orientation);  // slerp: by the shorter way
 }
 

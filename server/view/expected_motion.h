@@ -23,6 +23,8 @@ class ExpectedMotion {
   explicit ExpectedMotion(const proto::Path& path) : path_(&path) {}
   // The camera was where `history`, which is not empty, says, and moves on from its newest pose as `predictor` says.
   ExpectedMotion(const PoseHistory& history, proto::Predictor predictor) : history_(&history), predictor_(predictor) {}
+  // The same, but it moves on as `told` says.
+  ExpectedMotion(const PoseHistory& history, const Extrapolation& told) : history_(&history), told_(told) {}
 
   // Continuous in `t`.
   proto::Pose at(Time t) const;
@@ -42,9 +44,12 @@ class ExpectedMotion {
   double turn(Time begin, Time end) const;
 
  private:
+  Extrapolation extrapolation() const { return told_ ? *told_ : history_->extrapolate(predictor_); }
+
   const proto::Path* path_ = nullptr;
   const PoseHistory* history_ = nullptr;
   proto::Predictor predictor_ = proto::Predictor::kHold;
+  std::optional<Extrapolation> told_;
 };
 
 }  // namespace foreland::server

@@ -69,7 +69,12 @@ Extrapolation PoseHistory::extrapolate(proto::Predictor predictor) const {
 proto::Pose PoseHistory::predict(proto::Predictor predictor, Time t) const {
   const proto::TimedPose& last = poses_.back();
   if (predictor == proto::Predictor::kHold || poses_.size() == 1 || t <= last.time) return last.pose;
-  const Extrapolation motion = extrapolate(predictor);
+  return predict(extrapolate(predictor), t);
+}
+
+proto::Pose PoseHistory::predict(const Extrapolation& motion, Time t) const {
+  const proto::TimedPose& last = poses_.back();
+  if (poses_.size() == 1 || t <= last.time) return last.pose;
   const double ahead = std::min(t - last.time, kHorizon).toSeconds(), span = motion.span_s;
   proto::Pose result;
   // `velocity` is that of half a span ago.

@@ -35,6 +35,8 @@ class PoseHistory {
 
   // The pose expected at `t`, after the newest one; beyond kHorizon the camera is expected to stand still.
   proto::Pose predict(proto::Predictor predictor, Time t) const;
+  // The same, of a camera that moves on as `motion` says.
+  proto::Pose predict(const Extrapolation& motion, Time t) const;
 
   // How `predictor` takes the motion to continue.
   //   hold          not at all

@@ -22,6 +22,7 @@ constexpr size_t kMaxPredictions = 64;  // whose true poses have not arrived
 }  // namespace
 
 void ViewerMotion::add(const proto::TimedPose& pose) {
+  if (foresight_ && (history_.empty() || pose.time > history_.newest().time)) foresight_->add(pose, false);
   history_.add(pose);
   while (!predictions_.empty() && predictions_.front().expected.time <= pose.time) {
     const Prediction& p = predictions_.front();
@@ -38,6 +39,7 @@ void ViewerMotion::jumpTo(const proto::TimedPose& pose) {
     before_jump_ = {glm::length(motion.velocity), motion.turnRate()};
   }
   history_.restart(pose);
+  if (foresight_) foresight_->add(pose, true);
   predictions_.clear();
   errors_ = {};
   region_share_ = {};
@@ -66,6 +68,7 @@ bool ViewerMotion::isOnPath(const proto::ViewRequest& request) const {
 ExpectedMotion ViewerMotion::expected(const proto::ViewRequest& request) const {
   if (isOnPath(request)) return ExpectedMotion(*path_);
   const bool predicts = request.strategy == proto::Strategy::kPredict;
+  if (predicts && foresight_) return {history_, foresight_->extrapolate()};
   return {history_, predicts ? request.predictor : proto::Predictor::kConstantVelocity};
 }
 

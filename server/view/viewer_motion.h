@@ -3,11 +3,13 @@
 #pragma once
 
 #include <deque>
+#include <memory>
 #include <optional>
 
 #include "proto/message/message.h"
 #include "proto/space/path.h"
 #include "server/view/expected_motion.h"
+#include "server/view/foresight.h"
 #include "server/view/pose_history.h"
 #include "server/view/prediction_errors.h"
 #include "server/view/region.h"
@@ -18,6 +20,9 @@ namespace foreland::server {
 
 class ViewerMotion {
  public:
+  // From now on `foresight` takes the place of the predictor that a viewer asks for; to be called before the first
+  // pose.
+  void foreseeBy(std::unique_ptr<Foresight> foresight) { foresight_ = std::move(foresight); }
   void announce(proto::Path path) { path_ = std::move(path); }
   size_t pathBytes() const { return path_ ? path_->poses.capacity() * sizeof(proto::Pose) : 0; }
   // Takes the camera's next pose. Predictions for times up to it are judged by it.
@@ -62,6 +67,7 @@ class ViewerMotion {
     Duration interval;  // of the keyframe that it was made for
   };
   PoseHistory history_;
+  std::unique_ptr<Foresight> foresight_;  // null: viewers' predictors
   std::optional<proto::Path> path_;
   std::deque<Prediction> predictions_;  // of times for which no true pose has arrived yet
   PredictionErrors errors_;

@@ -74,7 +74,7 @@ Status fill(HeightRaster& raster, const ElevationInfo& info, SceneOrigin& origin
   const VoidReport voids = fillVoids(raster.metres(), info.width, info.height);
   if (voids.all_void)
     return Error{ErrorCode::kMalformed, info.title + ": holds no data, only voids; check the file and --nodata"};
-  origin.voids_filled = voids.samples;
+  origin.voids_filled = info.voids_filled + voids.samples;
   if (!voids.note.empty()) origin.notes.push_back(voids.note);
   return {};
 }
@@ -255,16 +255,16 @@ std::optional<double> groundAt(const Heights& heights, const proto::Frame& frame
   return bilinear(heights.width, heights.height, x, y, at) * frame.height_quantum_m;
 }
 
-// Samples that stayed where they were differ by rounding alone.
+// Samples that stayed where they were differ by rounding alone; that comes to what others differ by.
 SceneDatum datumOf(const ElevationInfo& info, double height_quantum_m) {
   SceneDatum datum{info.vertical, {}};
   for (const ElevationInput& input : info.inputs)
-    datum.inputs.push_back(
-        {.name = input.name,
-         .vertical = input.vertical,
-         .window = input.window,
-         .may_have_voids = input.may_have_voids,
-         .residual_m = input.is_on_lattice ? 0.5 * height_quantum_m : std::numeric_limits<double>::quiet_NaN()});
+    datum.inputs.push_back({.name = input.name,
+                            .vertical = input.vertical,
+                            .window = input.window,
+                            .may_have_voids = input.may_have_voids,
+                            .residual_m = (input.is_on_lattice ? 0 : input.residual_m) + 0.5 * height_quantum_m,
+                            .feather_m = input.feather_m});
   return datum;
 }
 

@@ -98,9 +98,9 @@ Status MappedScene::adopt() {
     auto datum = decodeDatum(sectionOf<uint8_t>(bytes_, header_.datum), header_.samples_x, header_.samples_y);
     if (!datum) return datum.error();
     datum_ = std::move(*datum);
-  } else {
-    datum_.vertical = datumOfReferenceSystem(origin_.crs_wkt);
   }
+  if (datum_.vertical.zero_surface == proto::ZeroSurface::kUnstated)
+    datum_.vertical = datumOfReferenceSystem(origin_.crs_wkt);
   const auto isAbsurd = [](int32_t h) { return h < -proto::kMaxHeight || h > proto::kMaxHeight; };
   if (std::any_of(corners_.begin(), corners_.end(), isAbsurd) ||
       std::any_of(centres_.begin(), centres_.end(), isAbsurd))

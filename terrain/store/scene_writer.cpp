@@ -30,7 +30,8 @@ Result<SceneWriter> SceneWriter::create(const std::filesystem::path& target, con
   if (text.size() > kMaxTextBytes)
     return Error{ErrorCode::kLimit, target.string() + ": more than 16 MiB of names and notes"};
 
-  const bool is_stated = about.datum.vertical.zero_surface != proto::ZeroSurface::kUnstated;
+  const bool is_stated =
+      about.datum.vertical.zero_surface != proto::ZeroSurface::kUnstated || !about.datum.inputs.empty();
   const Bytes datum = is_stated ? encodeDatum(about.datum) : Bytes{};
   if (datum.size() > kMaxDatumBytes)
     return Error{ErrorCode::kLimit, target.string() + ": more than 32 MiB of inputs and undulations"};

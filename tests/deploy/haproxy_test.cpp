@@ -41,8 +41,9 @@ class BehindHaproxy : public testing::Test {
 
   void start(size_t i) {
     const std::string listen = local(ports_[i]);
-    servers_[i].emplace("serve", std::vector<std::string>{folder_ / "land.fls", "--listen", listen, "--drain-seconds",
-                                                          "10", "--log-level", "off"});
+    servers_[i].emplace(
+        "serve", std::vector<std::string>{folder_ / "land.fls", "--listen", listen, "--agent-listen", local(agents_[i]),
+                                          "--drain-seconds", "10", "--log-level", "off"});
     ports_[i] = portOf(servers_[i]->readLine());
     ASSERT_GT(ports_[i], 0);
   }
@@ -55,14 +56,18 @@ class BehindHaproxy : public testing::Test {
     ::setenv("FORELAND_PUBLIC", local(public_).c_str(), 1);
     ::setenv("FORELAND_A", local(ports_[0]).c_str(), 1);
     ::setenv("FORELAND_B", local(ports_[1]).c_str(), 1);
+    ::setenv("FORELAND_A_AGENT", std::to_string(agents_[0]).c_str(), 1);
+    ::setenv("FORELAND_B_AGENT", std::to_string(agents_[1]).c_str(), 1);
     proxy_.emplace(kHaproxy, std::vector<std::string>{"-q", "-f", folder_ / "haproxy.cfg"});
   }
 
-  bool isUp(const std::string& server) const {
+  // A server's line of HAProxy's table.
+  std::string stateOf(const std::string& server) const {
     const std::string table = httpGet(statistics_, "/;csv");
     const size_t at = table.find("\nready," + server + ",");
-    return at != std::string::npos && table.substr(at + 1, table.find('\n', at + 1) - at).find(",UP,") != table.npos;
+    return at == std::string::npos ? "" : table.substr(at + 1, table.find('\n', at + 1) - at);
   }
+  bool isUp(const std::string& server) const { return stateOf(server).find(",UP,") != std::string::npos; }
 
   // Begins to fly, and returns when every viewer has been sent keyframes.
   void fly() {
@@ -102,7 +107,7 @@ class BehindHaproxy : public testing::Test {
   const std::string seconds_ = std::to_string(fromEnvironment("FORELAND_FLY_SECONDS", 10));
   TemporaryFolder folder_;
   uint16_t public_ = freePort(), statistics_ = freePort();
-  uint16_t ports_[2] = {0, 0};
+  uint16_t ports_[2] = {0, 0}, agents_[2] = {freePort(), freePort()};
   std::optional<Program> servers_[2];
   std::optional<Program> proxy_;
   std::optional<Program> viewers_;
@@ -124,6 +129,14 @@ TEST_F(BehindHaproxy, ViewersOfAServerThatIsKilledResumeAtTheOther) {
   EXPECT_EQ(servers_[0]->wait(), -1);
   EXPECT_TRUE(eventually([&] { return metric(ports_[1], "sessions") == count_; }));
   expectResumed(static_cast<int>(moved));
+}
+
+// The agent's answer has been taken, and leaves each server all of its weight, for nobody flies.
+TEST_F(BehindHaproxy, ServersTellItHowBusyTheyAre) {
+  for (const std::string server : {"a", "b"}) {
+    EXPECT_TRUE(eventually([&] { return stateOf(server).find(",CHECKED,") != std::string::npos; })) << stateOf(server);
+    EXPECT_NE(stateOf(server).find(",UP,100,"), std::string::npos) << stateOf(server);
+  }
 }
 
 TEST_F(BehindHaproxy, ViewersResumeWhenBothServersAreReplacedInTurn) {

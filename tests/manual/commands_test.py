@@ -108,7 +108,7 @@ class Address(unittest.TestCase):
         read = set()
         for source in ("client/web/src/ui/settings.ts", "client/web/src/main.ts"):
             with open(os.path.join(ROOT, source), encoding="utf-8") as file:
-                read |= set(re.findall(r"(?:\b(?:oneOf|number|flag)|(?:query|location\.hash\.slice\(1\)\))\.(?:get|has))\('(\w+)'", file.read()))
+                read |= set(re.findall(r"(?:\b(?:oneOf|number|numberIn|flag|flagIn)\((?:query, )?|(?:query|location\.hash\.slice\(1\)\))\.(?:get|getAll|has)\()'(\w+)'", file.read()))
         with open(os.path.join(ROOT, "docs/manual/serve.md"), encoding="utf-8") as file:
             table_of_names = file.read().split("| in the address |")[1]
         told = {name for line in table_of_names.split("\n") for name in re.findall(r"`#?(\w+)=", line.split(" | ")[0])}

@@ -1,20 +1,22 @@
 // The page's parts and what flows between them, frame by frame: camera -> terrain -> picture -> readout. The terrain (@foreland/client) has
 // the session, the picture what is drawn; app/ has the parts that need more than a few lines.
 import { Terrain, type Frame, type Place, type Scene } from '@foreland/client';
-import { addressHere, reloadAt, writeQuery } from './app/page_address';
+import { addressHere, linkOf, reloadAt, writeQuery } from './app/page_address';
 import { kIsPhone, kLimits, lensOf, optionsOf } from './app/asked';
 import { CardLoss } from './app/card_loss';
 import { Steering } from './app/steering';
+import { takeAddressed, takeFiles } from './app/taken_files';
+import { Tools } from './app/tools';
 import { Picture, type Shot } from './draw/picture';
-import { ColourMaps, takeFiles } from './ui/colour_maps';
+import { ColourMaps } from './ui/colour_maps';
 import { Compass } from './ui/compass';
 import { Controls } from './ui/controls';
+import type { DroppedFiles } from './ui/dropped_files';
 import { wordsOf } from './ui/failure_words';
 import { boundTo } from './ui/form';
 import { Guard } from './ui/guard';
 import { Hint } from './ui/hint';
 import { KeptAddress, queryText } from './ui/kept_address';
-import { MeasureControl } from './ui/measure_control';
 import { showNotice, type Notice } from './ui/notice';
 import { Panel } from './ui/panel';
 import { PredictionCheck } from './ui/prediction_check';
@@ -22,7 +24,6 @@ import { Readout } from './ui/readout';
 import { saveFile } from './ui/save_file';
 import { SceneTime } from './ui/scene_time';
 import { kLens, type Address, type Settings, type Tour } from './ui/settings';
-import { SightControl } from './ui/sight_control';
 import type { Stage } from './ui/stage';
 import { sunDirection } from './ui/sun';
 import { Tours } from './ui/tours';
@@ -45,15 +46,15 @@ export class App {
   private readonly prediction = new PredictionCheck();
   private readonly colour_maps = new ColourMaps();
   private readonly tours = new Tours(byId('tours'), (tour) => this.guard.run(() => this.chooseTour(tour)));
-  private readonly steering = new Steering(new Controls(this.canvas), this.tours);
+  private readonly steering = new Steering(new Controls(this.canvas), () => [this.tours, this.tools.follow]);
   private readonly scene_time = new SceneTime(byId('time'), (at, ms_rate) => this.terrain?.setSceneTime({ at, rate: ms_rate }));
   private readonly card_loss = new CardLoss((work) => this.guard.run(work), () => this.drawAgain());
   private readonly stage: Stage = {
     picture: () => this.picture, terrain: () => this.terrain, sceneTime: () => this.scene_time_ms, say: (text) => this.hint.show(text),
   };
-  private readonly sight = new SightControl(this.stage);
-  private readonly measure_control = new MeasureControl(byId('tools'), byId('measure'), this.stage);
   private readonly compass = new Compass(byId('compass'), () => this.guard.run(() => this.turnNorth()));
+  private readonly tools: Tools;
+  private readonly files: DroppedFiles;
   private readonly panel: Panel;
   private readonly settings: Settings;
   private picture: Picture;
@@ -70,14 +71,18 @@ export class App {
   constructor(private readonly address: Address) {
     this.settings = address.settings;
     this.picture = this.newPicture();
-    this.steering.controls.onTakeOver = () => this.guard.run(() => this.tours.current && this.chooseTour(null));
+    this.steering.controls.onTakeOver = () => this.guard.run(() => this.takeOver());
     const file = document.createElement('input');
     const { controls } = this.steering;
     this.panel = new Panel(byId('panel'), this.settings, this.colour_maps.names, file, boundTo(controls, 'speed_mps'),
       () => this.guard.run(() => this.applySettings()));
     controls.onSpeed = () => this.guard.run(() => this.panel.showChoices());
-    takeFiles(file, (name, text) => this.guard.run(() => this.addColours(name, text)),
-      (reason) => this.guard.run(() => this.refuseColours(reason)));
+    this.tools = new Tools(byId, {
+      stage: this.stage, controls, refuse: (title, reason) => this.refuseFile(title, reason), needs_token: address.token !== null, link: () => linkOf(this.addressHere()), guide: () => this.guard.run(() => this.ask()),
+    });
+    this.files = takeFiles({ tools: this.tools, refuse: (title, reason) => this.refuseFile(title, reason), addColours: (name, text) => this.guard.run(() => this.addColours(name, text)) });
+    this.files.listen(file);
+    this.files.listen(byId('overlay-file') as HTMLInputElement);
     if (address.is_recorded) this.panel.addButton('Save the recording', 'save', () => void this.saveRecording());
     else this.panel.addButton('Record a flight from here', 'record', () => this.recordFromHere());
     window.addEventListener('resize', () => this.guard.run(() => this.resize()));
@@ -107,8 +112,7 @@ export class App {
       title: this.scene?.title ?? null,
       scene_time_ms: this.scene_time_ms,
       ...this.terrain?.stats,
-      ...this.sight.status(),
-      ...this.measure_control.status(),
+      ...this.tools.status(),
     };
   }
 
@@ -125,7 +129,7 @@ export class App {
   private connect(): void {
     const { server, token, is_recorded } = this.address;
     const terrain = (this.terrain = Terrain.connect(server, {
-      ...optionsOf(this.settings, this.tours.current !== null), lens: lensOf(this.canvas), limits: kLimits, record: is_recorded, patienceMs: Infinity,
+      ...optionsOf(this.settings, this.isGuided), lens: lensOf(this.canvas), limits: kLimits, record: is_recorded, patienceMs: Infinity,
       ...(token === null ? {} : { token }),
     }));
     terrain.on('scene', (scene) => this.guard.run(() => this.enterScene(scene)));
@@ -166,6 +170,8 @@ export class App {
     if (!is_first) return;
     this.hint.show(wordsOnMoving(kIsPhone));
     this.kept_address.begin(queryText(this.addressHere()));
+    void takeAddressed(this.files, this.address.tracks, (title, reason) => this.refuseFile(title, reason));
+    void this.tools.overlays.open(this.address.overlays);
   }
 
   private showWaiting(seconds: number, reason: string): void {
@@ -238,8 +244,7 @@ export class App {
     if (this.terrain) this.showTerrain(this.terrain);
     this.showColours();
     if (before.frozen_view.pose) this.freezeAt(before.frozen_view.pose);
-    this.sight.show();
-    this.measure_control.show();
+    this.tools.show();
     this.mesh = null;
     this.resize();
     if (this.scene) notify(null);
@@ -261,7 +266,7 @@ export class App {
     if (file) saveFile(file, 'flight.rec');
   }
   private addressHere(): URLSearchParams {
-    return addressHere(this.scene, this.steering.controls, this.tours.current !== null);
+    return addressHere(this.scene, this.steering.controls, this.settings, this.tours.current !== null);
   }
 
   private applyLook(): void {
@@ -269,21 +274,21 @@ export class App {
     this.picture.setLook(this.settings, sunDirection(this.settings, this.scene));
   }
 
+  private refuseFile(title: string, reason: string): void {
+    notify({ kind: 'error', title, text: reason, action: { label: 'Close', run: () => notify(null) } });
+  }
   // A colour map from a file, which is shown at once.
   private addColours(name: string, text: string): void {
     try {
       this.colour_maps.add(name, text);
     } catch (error) {
-      return this.refuseColours(reasonOf(error));
+      return this.refuseFile('This colour map cannot be read', reasonOf(error));
     }
     notify(null);
     Object.assign(this.settings, { colours: name, ground: 'heights' });
     this.panel.addColours(name);
     this.panel.showChoices();
     this.applySettings();
-  }
-  private refuseColours(reason: string): void {
-    notify({ kind: 'error', title: 'This colour map cannot be read', text: reason, action: { label: 'Close', run: () => notify(null) } });
   }
   private showColours(): void {
     if (!this.scene) return;
@@ -305,10 +310,19 @@ export class App {
     this.ask();
   }
   private ask(): void {
-    this.terrain?.setOptions(optionsOf(this.settings, this.tours.current !== null));
+    this.terrain?.setOptions(optionsOf(this.settings, this.isGuided));
+  }
+  // Along a path that the server knows.
+  private get isGuided(): boolean {
+    return this.tours.current !== null || this.tools.follow.isGuiding;
   }
 
+  private takeOver(): void {
+    this.tools.follow.release();
+    if (this.tours.current) this.chooseTour(null);
+  }
   private chooseTour(tour: Tour | null): void {
+    if (tour) this.tools.follow.release();
     if (tour && this.terrain) this.tours.request(tour, this.terrain);
     else this.tours.stop();
     this.ask();
@@ -331,7 +345,7 @@ export class App {
   }
 
   private turnNorth(): void {
-    if (this.tours.current) this.chooseTour(null);
+    this.takeOver();
     this.steering.controls.look.heading = 0;
   }
 
@@ -341,8 +355,9 @@ export class App {
     const seconds = Math.min((now_ms - this.last_ms) / 1000, 0.25);
     this.last_ms = now_ms;
     const { picture, steering, terrain } = this;
+    if (!this.scene) return; // there is no view yet, and the first one that is told is paid for
     const frozen = picture.frozen_view.pose;
-    const position = this.scene ? steering.step(terrain!, now_ms, seconds, picture.up, frozen !== null) : null;
+    const position = steering.step(terrain!, now_ms, seconds, picture.up, frozen !== null);
     const own = steering.controls.pose(picture.up);
     this.prediction.frame(now_ms, (frozen ?? own).eye);
     const frame = picture.update(now_ms, own);
@@ -351,7 +366,7 @@ export class App {
     const shot: Shot = { frame, pose: frozen ? own : frame.pose, camera_eye: own.eye, above_ground_m: steering.above_ground_m };
     picture.take(shot, position);
     this.measure(now_ms, frame, position);
-    if (this.scene) this.kept_address.keep(now_ms, () => queryText(this.addressHere()));
+    this.kept_address.keep(now_ms, () => queryText(this.addressHere()));
   }
 
   private takeFrame(frame: Frame): void {

@@ -231,7 +231,7 @@ test('an image of a model that does not come is said, and asked for again', kTes
 
 test('a colour map that cannot be read is told of', kTest, () =>
   visit('ground=heights', {
-    prepare: (page) => page.addInitScript(() => (Blob.prototype.text = () => Promise.reject(new DOMException('gone', 'NotReadableError')))),
+    prepare: (page) => page.addInitScript(() => (Blob.prototype.arrayBuffer = () => Promise.reject(new DOMException('gone', 'NotReadableError')))),
   }, async (page) => {
     await untilTerrain(page);
     await page.locator('[name=colour_file]').setInputFiles({ name: 'mine.cpt', mimeType: 'text/plain', buffer: Buffer.from('0 red 1 blue') });

@@ -1,4 +1,5 @@
 // What tests of the page need beside what tests of the client do: the page, dist/, and what it says of itself.
+import assert from 'node:assert/strict';
 import { join, resolve } from 'node:path';
 import { createServer } from 'vite';
 import { openPage as openPageOf, root, startServer as startServerOf } from '../../js/tests/support.mjs';
@@ -41,6 +42,30 @@ export async function until(page, condition, value = null, timeout = 60_000) {
 export async function untilTerrain(page) {
   const first = await until(page, (s) => s.triangles > 500 && s.keyframes >= 3 && s.frames > 2);
   return until(page, (s, frames) => s.frames > frames, first.frames + 1);
+}
+
+// Runs `body` with a page at `url` once its terrain is drawn; nothing may have gone wrong in it, but what `expected` allows. `prepare` comes before it loads.
+export async function visitPage(browser, url, body, { expected, prepare = () => {}, ...options } = {}) {
+  const { page, complaints, close } = await openPage(browser, options);
+  try {
+    await prepare(page);
+    await page.goto(url.href);
+    await untilTerrain(page);
+    await body(page);
+    assert.deepEqual(complaints.filter((complaint) => !expected?.test(complaint)), []);
+  } finally {
+    await close();
+  }
+}
+
+// Drops a file on the page.
+export async function dropFile(page, name, content) {
+  const files = await page.evaluateHandle(([base64, file]) => {
+    const files = new DataTransfer();
+    files.items.add(new File([Uint8Array.from(atob(base64), (c) => c.charCodeAt(0))], file));
+    return files;
+  }, [Buffer.from(content).toString('base64'), name]);
+  await page.dispatchEvent('body', 'drop', { dataTransfer: files });
 }
 
 // The middle of the canvas, where no panel lies over it.

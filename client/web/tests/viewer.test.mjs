@@ -6,7 +6,7 @@ import { after, before, test } from 'node:test';
 import { serveMessage } from '../../js/tests/socket.mjs';
 import { readHeights } from '../../js/tests/heights.mjs';
 import {
-  changedShare, makeFolder, makeMovingScene, makeScene, makeSceneWithObjects, makeSceneWithPicture, middleOf, openBrowser, openPage, pictureOf, root, runForeland, startServer, status, until, untilTerrain,
+  changedShare, makeFolder, makeMovingScene, makeScene, makeSceneWithObjects, makeSceneWithPicture, middleOf, openBrowser, openPage, pictureOf, root, runForeland, startServer, status, until, untilTerrain, visitPage,
 } from './support.mjs';
 
 const kTest = { timeout: 180_000 };
@@ -26,18 +26,10 @@ after(async () => {
   await folder?.remove();
 });
 
-// Runs `body` with a page at `query`, drawn coarsely because a processor does it; nothing may have gone wrong in it, but what `expected` allows.
-async function visit(query, body, options = {}) {
-  const { page, complaints, close } = await openPage(browser, options);
-  try {
-    if (options.watches) await watchFrames(page);
-    await page.goto(new URL(`?sharpness=${options.sharpness ?? 0.6}&${query}`, (options.server ?? server).url).href);
-    await untilTerrain(page);
-    await body(page);
-    assert.deepEqual(complaints.filter((c) => !options.expected?.test(c)), []);
-  } finally {
-    await close();
-  }
+// Drawn coarsely, because a processor does it.
+function visit(query, body, { watches = false, sharpness = 0.6, server: at = server, ...options } = {}) {
+  const url = new URL(`?sharpness=${sharpness}&${query}`, at.url);
+  return visitPage(browser, url, body, { prepare: (page) => watches && watchFrames(page), ...options });
 }
 
 // Keeps the status of every frame from now on, and on pages that are opened later.

@@ -207,7 +207,7 @@ TEST(Load, FindsTheMostViewersThatAreServed) {
   LoadOptions options = smallLoad(8);
   options.phases = Phases::kStaggered;
   options.start = LoadStart::kEarly;
-  const size_t most = maxViewers(smallWorld(), options);
+  const size_t most = maxViewers(smallWorld(), options).value();
   EXPECT_GE(most, 30u);
   EXPECT_LE(most, 51u);
 }

@@ -25,6 +25,10 @@ void Load::add(Duration spent, Time now) {
       std::memory_order_relaxed);
 }
 
+int Load::weightPercent(Time now) const {
+  return static_cast<int>(std::clamp(std::lround(100 * (1 - busyAt(now) / kBusy)), 1L, 100L));
+}
+
 // What two threads change at once may count once.
 void Load::changeOcclusionShare(double by) {
   occlusion_share_.store(std::clamp(occlusionShare() + by, 0.0, 1.0), std::memory_order_relaxed);

@@ -21,10 +21,14 @@ class Load {
 
   // The share of the workers' time that was used in the last whole window.
   double busy() const { return busy_.load(std::memory_order_relaxed); }
-  // Whether that was too much, and not long ago.
-  bool isOverloaded(Time now) const {
-    return busy() > kBusy && now.us < window_end_us_.load(std::memory_order_relaxed) + kWindow.us;
+  // The same, or 0 if nothing was added since.
+  double busyAt(Time now) const {
+    return now.us < window_end_us_.load(std::memory_order_relaxed) + kWindow.us ? busy() : 0;
   }
+  // Whether that was too much, and not long ago.
+  bool isOverloaded(Time now) const { return busyAt(now) > kBusy; }
+  // What is left of kBusy, as the weight that HAProxy's agent-check takes: 1 to 100 percent.
+  int weightPercent(Time now) const;
 
   // Notes a new viewer, who is expected to take kUsualCost until what it takes shows.
   void addViewer();

@@ -70,8 +70,8 @@ void renderViewers(const Metrics& m, Page& page) {
   page.counter("foreland_sessions_opened_total", "Viewers that ever connected.", m.sessions_opened.load());
   page.counters("foreland_refusals_total", "Connections and viewers refused, by reason.", "reason", kRefusalNames,
                 m.refusals);
-  page.counter("foreland_handed_over_total", "Viewers asked to connect elsewhere, because the server stops.",
-               m.migrated.load());
+  page.counter("foreland_handed_over_total",
+               "Viewers asked to connect elsewhere, because the server stops or is overloaded.", m.migrated.load());
   page.counter("foreland_resumed_total", "Sessions that started from a section that the viewer held.",
                m.resumed.load());
   page.counter("foreland_failures_total", "Exceptions, each of which ended one viewer or request.", m.failures.load());
@@ -121,6 +121,7 @@ void renderState(const ServerState& state, Page& page) {
   page.info("foreland_build_info", "The program.", "version", state.version);
   page.gauge("foreland_uptime_seconds", "Time since the server started.", state.uptime_s);
   page.gauge("foreland_worker_threads", "Threads of the pool.", state.threads);
+  page.gauge("foreland_pool_load", "Share of these threads' time that was used in the last half second.", state.load);
   page.gauge("foreland_queue_depth", "Jobs released and not yet started.", state.queue_depth);
   if (state.lateness)
     page.histogram("foreland_lateness_seconds", "By how much jobs ended after their deadline.", *state.lateness);

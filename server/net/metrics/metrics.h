@@ -41,7 +41,7 @@ struct Metrics {
   std::atomic<int64_t> remembered_nodes{0}, memory_bytes{0};  // likewise, of what viewers know beside their sections
   std::atomic<uint64_t> sessions_opened{0};
   std::array<std::atomic<uint64_t>, kRefusals> refusals{};
-  std::atomic<uint64_t> migrated{0};  // viewers asked to connect elsewhere, because the server stops
+  std::atomic<uint64_t> migrated{0};  // viewers asked to connect elsewhere, because the server stops or is overloaded
   std::array<std::atomic<uint64_t>, kHttpStatuses.size()> http_replies{};
   std::atomic<uint64_t> keyframes{0};
   std::atomic<uint64_t> skipped_keyframes{0};  // because the last delta was still unsent
@@ -72,6 +72,7 @@ struct ServerState {
   ProcessMetrics process;
 
   size_t threads = 0;
+  double load = 0;
   size_t queue_depth = 0;
   const Histogram* lateness = nullptr;
 };

@@ -25,6 +25,8 @@ namespace foreland::terrain {
 
 namespace {
 
+constexpr uint32_t kMostSide = 1u << 24;
+
 std::string lower(std::string text) {
   std::transform(text.begin(), text.end(), text.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
@@ -252,6 +254,12 @@ Status GdalRaster::init(const OpenOptions& options, const GdalMessages& messages
   if (info_.width < 2 || info_.height < 2)
     return Error{ErrorCode::kUnsupported, fmt::format("{}: {} x {} samples; a terrain needs at least 2 x 2", info_.name,
                                                       info_.width, info_.height)};
+  if (std::max(info_.width, info_.height) > kMostSide)
+    return Error{
+        ErrorCode::kLimit,
+        fmt::format("{}: {} x {} samples, more than 2^24 a side; cut out what the scene shows with gdal_translate "
+                    "-projwin, or make it coarser with -tr",
+                    info_.name, info_.width, info_.height)};
   noteFormat();
   if (Status s = pickBands(options); !s.ok()) return s;
   Result<Georeference> place = readGeoreference(dataset_.get(), info_.name, info_.notes);
@@ -344,7 +352,10 @@ Result<std::unique_ptr<Raster>> openOne(const std::string& gdal_path, const std:
     if (!*dataset) return openError(name, messages.errors());
     options.channel.reset();
   }
-  Result<TrueMap> placed = onTrueMap(std::move(*dataset), name, options.frame == FrameChoice::kPlanar);
+  const MapUse use = options.keeps_map                       ? MapUse::kPlace
+                     : options.frame == FrameChoice::kPlanar ? MapUse::kKeep
+                                                             : MapUse::kGround;
+  Result<TrueMap> placed = onTrueMap(std::move(*dataset), name, use);
   if (!placed.ok()) return placed.error();
   auto raster = std::make_unique<GdalRaster>(std::move(*placed), name, fence);
   const Status read = raster->init(options, messages);

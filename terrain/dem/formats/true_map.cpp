@@ -72,7 +72,7 @@ std::optional<double> scaleOfMap(GDALDatasetH dataset) {
 
 }  // namespace
 
-Result<TrueMap> onTrueMap(GdalDataset dataset, const std::string& name, bool keeps_map) {
+Result<TrueMap> onTrueMap(GdalDataset dataset, const std::string& name, MapUse use) {
   constexpr double kMaxOff = 0.005;
   TrueMap out{{}, std::move(dataset), {}};
   const auto replace = [&](GdalDataset by) { out.sources.push_back(std::exchange(out.dataset, std::move(by))); };
@@ -86,12 +86,13 @@ Result<TrueMap> onTrueMap(GdalDataset dataset, const std::string& name, bool kee
     replace(std::move(placed));
     out.notes.push_back(fmt::format("it is placed by {} control points, and was warped to their map", points));
   }
+  if (use == MapUse::kPlace) return out;
   const std::optional<double> scale = scaleOfMap(out.dataset.get());
   if (!scale || std::fabs(*scale - 1) <= kMaxOff) return out;
   OGRSpatialReferenceH crs = GDALGetSpatialRef(out.dataset.get());
   const std::string found =
       fmt::format("its map ({}) shows distances {:.3g} times as long as they are here", OSRGetName(crs), *scale);
-  if (keeps_map) {
+  if (use == MapUse::kKeep) {
     out.notes.push_back(found + ", and slopes as much flatter");
     return out;
   }

@@ -34,12 +34,6 @@ std::string stepName(const Georeference& map) {
   return fmt::format("{:g}", std::hypot(map.transform[1], map.transform[4]));
 }
 
-// What makes any raster one of the same samples as those of `map`.
-std::string warpTo(const Georeference& map) {
-  return fmt::format("-tr {:.12g} {:.12g} -dstnodata -9999", std::hypot(map.transform[1], map.transform[4]),
-                     std::hypot(map.transform[2], map.transform[5]));
-}
-
 // A reference system as GDAL's programs take it: by its number, else as a file has it.
 std::string argumentOf(const Tile& tile) {
   static const std::regex kNumber("ID\\[\"EPSG\",([0-9]+)\\]\\]\\s*$");
@@ -48,11 +42,11 @@ std::string argumentOf(const Tile& tile) {
   return fmt::format("\"$(gdalsrsinfo --single-line -o wkt {})\"", tile.raster->info().name);
 }
 
+// What to do about it, where one of them has no reference system.
 std::string wayToOneSystem(const Tile& first, const Tile& tile) {
   const bool is_first_unnamed = first.map.crs_name.empty();
-  if (is_first_unnamed || tile.map.crs_name.empty())
-    return "if it is that of both, say so with gdal_translate -a_srs " + argumentOf(is_first_unnamed ? tile : first);
-  return fmt::format("bring the other to the first with gdalwarp -t_srs {} {}", argumentOf(first), warpTo(first.map));
+  if (!is_first_unnamed && !tile.map.crs_name.empty()) return {};
+  return "; if it is that of both, say so with gdal_translate -a_srs " + argumentOf(is_first_unnamed ? tile : first);
 }
 
 Status checkCompatible(const Tile& first, const Tile& tile) {
@@ -62,7 +56,7 @@ Status checkCompatible(const Tile& first, const Tile& tile) {
                  both + ": a mosaic needs positions, and one of them has none; build one scene from each"};
   if (!isSameReferenceSystem(first.map, tile.map))
     return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("{}: different reference systems ({}; {}); {}", both,
+                 fmt::format("{}: different reference systems ({}; {}){}", both,
                              first.map.crs_name.empty() ? "none" : first.map.crs_name,
                              tile.map.crs_name.empty() ? "none" : tile.map.crs_name, wayToOneSystem(first, tile))};
   // Along the tile's sides, its own samples must not drift away from those of the first tile.
@@ -74,10 +68,8 @@ Status checkCompatible(const Tile& first, const Tile& tile) {
   const double drift = std::max({std::fabs(e.column - o.column - w), std::fabs(e.row - o.row),
                                  std::fabs(s.row - o.row - h), std::fabs(s.column - o.column)});
   if (!(drift <= kMaxDrift))
-    return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("{}: different resolutions ({} and {} per sample); bring the other to the first with "
-                             "gdalwarp {}",
-                             both, stepName(first.map), stepName(tile.map), warpTo(first.map))};
+    return Error{ErrorCode::kInvalidArgument, fmt::format("{}: different resolutions ({} and {} per sample)", both,
+                                                          stepName(first.map), stepName(tile.map))};
   return {};
 }
 
@@ -89,6 +81,8 @@ void unwrap(const Tile& first, Tile& tile) {
 }
 
 }  // namespace
+
+bool isOnOneLattice(const Tile& first, const Tile& tile) { return checkCompatible(first, tile).ok(); }
 
 Result<Mosaic> makeMosaic(std::vector<Tile> tiles) {
   Mosaic out;

@@ -27,6 +27,10 @@ struct Mosaic {
   std::vector<std::string> notes;
 };
 
+// Whether a tile's samples are those of the first one's lattice, or shifted by less than one alike: makeMosaic takes
+// it.
+bool isOnOneLattice(const Tile& first, const Tile& tile);
+
 // The lattice is that of the first tile. Error, naming both files, for tiles of different reference systems or
 // resolutions.
 Result<Mosaic> makeMosaic(std::vector<Tile> tiles);

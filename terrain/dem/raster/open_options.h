@@ -22,6 +22,12 @@ enum class HeightEncoding : uint8_t {
   kTerrainRgb,  // the same: (red * 65536 + green * 256 + blue) / 10 - 10000 metres
 };
 
+// A raster of another grid that is laid over the inputs.
+struct InsetFile {
+  std::filesystem::path file;
+  int priority = 0;  // higher ones lie over lower ones, and of equals the one that is named first
+};
+
 struct OpenOptions {
   std::optional<double> nodata{};        // instead of the file's own value
   std::optional<double> spacing_m{};     // for inputs without a reference system (EXR, images)
@@ -34,6 +40,14 @@ struct OpenOptions {
   std::optional<std::string> vertical{};
   std::map<std::string, std::string> vertical_of{};
   std::optional<std::string> scene_vertical{};
+  std::vector<InsetFile> insets{};
+  // Over how many metres their edges are mixed with what lies below; by default four samples of the inputs, and at most
+  // an eighth of the inset's shorter side.
+  std::optional<double> feather_m{};
+  // How far the lattice's heights may be from an inset's samples, before they are rounded; by default the lattice is as
+  // fine as the finest inset.
+  std::optional<double> residual_m{};
+  bool keeps_map = false;  // whether a file's map stays as it is, although its distances are not those of the ground
   // Beside its own folder, what a file may name files of (terrain/fence/file_fence.h); without the fence, in tests of
   // what else holds, any.
   std::vector<std::filesystem::path> allowed_folders{};

@@ -46,6 +46,7 @@ SceneInput getInput(ByteReader& in) {
     *value = in.get<uint32_t>();
   input.may_have_voids = in.get<uint32_t>() != 0;
   input.residual_m = in.get<double>();
+  input.feather_m = in.get<double>();
   return input;
 }
 
@@ -80,6 +81,7 @@ Bytes encodeDatum(const SceneDatum& datum) {
       out.put(value);
     out.put(uint32_t{input.may_have_voids});
     out.put(input.residual_m);
+    out.put(input.feather_m);
   }
   return bytes;
 }
@@ -88,7 +90,7 @@ Result<SceneDatum> decodeDatum(ByteSpan bytes, uint32_t samples_x, uint32_t samp
   ByteReader in(bytes);
   SceneDatum datum;
   const auto kind = in.get<uint32_t>();
-  if (kind == 0 || kind > static_cast<uint32_t>(proto::ZeroSurface::kGeoid))
+  if (kind > static_cast<uint32_t>(proto::ZeroSurface::kGeoid))
     return damaged("its vertical datum is of an unknown kind");
   datum.vertical.zero_surface = static_cast<proto::ZeroSurface>(kind);
   datum.vertical.name = getText(in);

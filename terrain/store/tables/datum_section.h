@@ -21,6 +21,9 @@ struct SceneInput {
   bool may_have_voids = false;
   // By how much the scene differs from it at most, at its own samples; not a number if that is not known.
   double residual_m = std::numeric_limits<double>::quiet_NaN();
+  // How far from its edges it is mixed with what lies below, metres: there and under inputs that come before it, the
+  // residual does not hold.
+  double feather_m = 0;
 };
 
 struct SceneDatum {

@@ -26,6 +26,16 @@ TEST(Load, IsOverloadedWhileWorkersAreBusyAndNotLongAfter) {
   EXPECT_FALSE(load.isOverloaded(ms(8000)));
 }
 
+TEST(Load, GivesAWeightByWhatIsLeft) {
+  Load load(2);
+  EXPECT_EQ(load.weightPercent(ms(0)), 100);
+  work(load, 0.425, 0);
+  EXPECT_NEAR(load.weightPercent(ms(2000)), 50, 8);
+  EXPECT_EQ(load.weightPercent(ms(4000)), 100) << "nobody has worked since";
+  work(load, 1, 4000);
+  EXPECT_EQ(load.weightPercent(ms(6000)), 1) << "0 would be no server at all";
+}
+
 TEST(Load, TakesOcclusionFromViewersAsItRisesAndGivesItBackAsItFalls) {
   Load load(2);
   EXPECT_EQ(load.occlusionShare(), 1);

@@ -211,6 +211,37 @@ TEST_F(ServeProgram, RefusesAddressesAndPagesThatWillNotDo) {
   expectRefusal(arguments({"--metrics-listen", "127.0.0.1:" + port}), {port, "--metrics-listen"});
 }
 
+TEST_F(ServeProgram, GivesOverlaysToPages) {
+  const std::string text = R"({"type":"Point","coordinates":[8,46]})";
+  std::ofstream(folder_ / "a \"hut\".geojson") << text;
+  std::ofstream(folder_ / "track.GPX") << "\xef\xbb\xbf <gpx/>";
+  Program server("serve", arguments({"--overlay", folder_ / "a \"hut\".geojson", "--overlay", folder_ / "track.GPX"}));
+  const uint16_t port = portOf(server.readLine());
+  const std::string list = httpGet(port, "/overlays/list.json");
+  EXPECT_TRUE(
+      list.ends_with(R"([{"name":"a \"hut\".geojson","path":"0.geojson"},{"name":"track.GPX","path":"1.gpx"}])"))
+      << list;
+  const std::string first = httpGet(port, "/overlays/0.geojson");
+  EXPECT_TRUE(first.ends_with(text)) << first;
+  EXPECT_NE(first.find("application/octet-stream"), std::string::npos) << first;  // nothing that a browser shows
+  EXPECT_NE(httpGet(port, "/overlays/1.gpx").find("<gpx/>"), std::string::npos);
+  Program without("serve", arguments());
+  EXPECT_TRUE(httpGet(portOf(without.readLine()), "/overlays/list.json").ends_with("[]"));
+}
+
+TEST_F(ServeProgram, RefusesOverlaysThatWillNotDo) {
+  std::ofstream(folder_ / "a.shp") << "x";
+  std::ofstream(folder_ / "a.kml") << "hello";
+  std::ofstream(folder_ / "empty.gpx");
+  std::ofstream(folder_ / "huge.geojson") << "{";
+  fs::resize_file(folder_ / "huge.geojson", (64u << 20) + 1);
+  expectRefusal(arguments({"--overlay", folder_ / "none.kml"}), {"none.kml", "no such file"});
+  expectRefusal(arguments({"--overlay", folder_ / "a.shp"}), {"a.shp", "ogr2ogr -f GeoJSON"});
+  expectRefusal(arguments({"--overlay", folder_ / "a.kml"}), {"a.kml", "begins with <"});
+  expectRefusal(arguments({"--overlay", folder_ / "empty.gpx"}), {"empty.gpx", "begins with <"});
+  expectRefusal(arguments({"--overlay", folder_ / "huge.geojson"}), {"huge.geojson", "64 MiB", "-simplify"});
+}
+
 // Started where few files may be open, as by a shell, it may still take as many connections as it says.
 TEST_F(ServeProgram, AllowsItselfAsManyDescriptorsAsItsConnectionsNeed) {
   rlimit before{};

@@ -338,6 +338,25 @@ TEST(Server, HasAPortForOperators) {
   EXPECT_FALSE(WebSocketClient(port).isOpen());
 }
 
+// The line that HAProxy's agent-check reads: https://docs.haproxy.org/2.6/configuration.html#5.2-agent-check
+TEST(Server, TellsAnAgentWhatWeightItShouldHave) {
+  ServeOptions options = testOptions();
+  options.agent_listen = ListenAddress{.port = 0};
+  const auto server = serve(options);
+  const auto ask = [&] {
+    Socket agent(server->agentPort());
+    std::string line;
+    for (std::string more = agent.receiveSome(99); !more.empty(); more = agent.receiveSome(99)) line += more;
+    return line;
+  };
+  EXPECT_EQ(ask(), "ready 100%\n") << "nobody flies";
+  EXPECT_EQ(ask(), "ready 100%\n") << "as often as one asks";
+  const std::string page = httpGet(server->port(), "/metrics");
+  EXPECT_NE(page.find("\nforeland_pool_load 0\n"), std::string::npos) << page;
+  server->drain(Duration::seconds(1));
+  EXPECT_EQ(ask(), "drain\n");
+}
+
 TEST(Server, TellsTheToleranceInForce) {
   const auto server = serve(testOptions());
   LiveViewer viewer(server->port());

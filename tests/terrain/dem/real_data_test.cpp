@@ -138,7 +138,7 @@ TEST(DemRealMosaic, NeighbouringTilesShareTheirSeam) {
   }
 }
 
-TEST(DemRealMosaic, DifferentReferenceSystemsAreRefusedByName) {
+TEST(DemRealMosaic, WhatLiesTooFarAwayIsRefusedByName) {
   FORELAND_DATA_OR_SKIP(map, "dem/msh/msh_base_utm10_10m.tif");
   FORELAND_DATA_OR_SKIP(globe, "dem/srtm/N46E008.tif");
   const auto source = openElevation({map, globe}, {});

@@ -1,15 +1,24 @@
-// The page's address as it would lead here: with where the camera is, and without a tour that has ended.
+// The page's address as it would lead here: with where the camera is and how it is shown, and without a tour that has ended.
 import type { Scene } from '@foreland/client';
 import type { Controls } from '../ui/controls';
 import { queryText, viewText } from '../ui/kept_address';
+import { writeSettings, type Settings } from '../ui/settings';
 
-export function addressHere(scene: Scene | null, { eye, look }: Controls, is_touring: boolean): URLSearchParams {
+export function addressHere(scene: Scene | null, { eye, look }: Controls, settings: Settings, is_touring: boolean): URLSearchParams {
   const query = new URLSearchParams(window.location.search);
   if (!scene) return query;
   const { low, high } = scene.bounds;
   query.set('view', viewText(eye.toArray(), look, Math.hypot(high[0] - low[0], high[1] - low[1])));
   if (!is_touring) query.delete('tour');
+  writeSettings(query, settings);
   return query;
+}
+
+// To give away: without what only this visit wants, and without the token of whoever gives it.
+export function linkOf(query: URLSearchParams): string {
+  const shared = new URLSearchParams(query);
+  shared.delete('record');
+  return new URL(`${window.location.pathname}${queryText(shared)}`, window.location.href).href;
 }
 
 export function writeQuery(query: string): void {

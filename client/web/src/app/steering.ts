@@ -1,15 +1,19 @@
-// Where the camera is: on a tour, or where a person has steered it, above the ground.
-import type { Place, Scene, Terrain } from '@foreland/client';
+// Where the camera is: on a tour, along a flight, or where a person has steered it, above the ground.
+import type { Place, Pose, Scene, Terrain } from '@foreland/client';
 import type * as THREE from 'three';
 import { lookOf } from '../ui/camera';
 import type { Controls } from '../ui/controls';
 import { startView } from '../ui/start_view';
-import type { Tours } from '../ui/tours';
+
+// What may have the camera: null, it has not.
+export interface Guide {
+  pose(terrain: Terrain, now_ms: number): Pose | null;
+}
 
 export class Steering {
   above_ground_m: number | null = null; // where it is known
 
-  constructor(readonly controls: Controls, private readonly tours: Tours) {}
+  constructor(readonly controls: Controls, private readonly guides: () => readonly Guide[]) {}
 
   // To where the page's address says (x, y, z in metres, heading and pitch in degrees), or to the first view of the scene.
   enter(scene: Scene, view: readonly number[] | null): void {
@@ -21,13 +25,13 @@ export class Steering {
     controls.look = heading === undefined ? look : { heading, pitch: pitch! };
   }
 
-  // `up` becomes that of the new eye. A camera whose view is frozen leaves the tour.
+  // `up` becomes that of the new eye. A camera whose view is frozen is steered.
   step(terrain: Terrain, now_ms: number, seconds: number, up: THREE.Vector3, is_frozen: boolean): Place | null {
     const { controls } = this;
-    const touring = this.tours.pose(terrain, now_ms);
-    if (touring && !is_frozen) {
-      controls.eye.fromArray(touring.eye);
-      controls.look = lookOf(touring.orientation, up);
+    const guided = this.guides().map((guide) => guide.pose(terrain, now_ms)).find((pose) => pose !== null);
+    if (guided && !is_frozen) {
+      controls.eye.fromArray(guided.eye);
+      controls.look = lookOf(guided.orientation, up);
     } else {
       controls.step(seconds, up, (from, to) => terrain.sweep(from, to, controls.clearance_m));
     }

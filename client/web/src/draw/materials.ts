@@ -2,10 +2,10 @@
 import type { GroundMaterials, Uniforms } from '@foreland/client/three';
 import { kObjectFragment, kObjectVertex, kTerrainFragment, kTerrainVertex, kWireFragment, kWireVertex, shader } from './shaders';
 
-// `haze` are uniforms of light.glsl, `viewshed` of viewshed.glsl.
-export function pageMaterials(haze: Uniforms, viewshed: Uniforms): GroundMaterials {
+// `haze` are uniforms of light.glsl, `on_ground` of viewshed.glsl and overlay.glsl.
+export function pageMaterials(haze: Uniforms, on_ground: Uniforms): GroundMaterials {
   return {
-    ground: (uniforms) => shader(kTerrainVertex, kTerrainFragment, { ...uniforms, ...haze, ...viewshed }),
+    ground: (uniforms) => shader(kTerrainVertex, kTerrainFragment, { ...uniforms, ...haze, ...on_ground }),
     object(uniforms, image) {
       const u_image = { value: image };
       return { material: shader(kObjectVertex, kObjectFragment, { ...uniforms, ...haze, u_image }), setImage: (texture) => void (u_image.value = texture) };

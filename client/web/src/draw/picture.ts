@@ -3,9 +3,12 @@ import type { Frame, Place, Pose, Scene, Terrain, Vector } from '@foreland/clien
 import { ForelandTerrain } from '@foreland/client/three';
 import * as THREE from 'three';
 import { kLens, type Settings } from '../ui/settings';
+import { FlightMarks } from './flight_marks';
 import { FrozenView } from './frozen_view';
 import { pageMaterials } from './materials';
 import { MeasureLine } from './measure_line';
+import { OverlayDrape } from './overlay_drape';
+import { OverlayMarks } from './overlay_marks';
 import { ShadeProbe } from './shade_probe';
 import { SightLines } from './sight_lines';
 import { Sky } from './sky';
@@ -27,7 +30,10 @@ export class Picture {
   readonly frozen_view = new FrozenView();
   readonly sight_lines = new SightLines();
   readonly measure_line = new MeasureLine();
+  readonly flight_marks = new FlightMarks();
   readonly viewshed_drape = new ViewshedDrape();
+  readonly overlay_drape = new OverlayDrape();
+  readonly overlay_marks = new OverlayMarks();
   readonly up = new THREE.Vector3(0, 0, 1); // at the camera's eye
   ground: ForelandTerrain | null = null;
   private readonly sun = new THREE.Vector3(); // towards it
@@ -43,18 +49,21 @@ export class Picture {
   constructor(private readonly canvas: HTMLCanvasElement, private readonly anisotropy: number | null) {
     this.renderer = new THREE.WebGLRenderer({ canvas, antialias: true, powerPreference: 'high-performance' });
     this.renderer.autoClear = false;
-    this.scene.add(this.sky.object, this.frozen_view.object, this.sight_lines.object, this.measure_line.object);
+    this.scene.add(this.sky.object, this.frozen_view.object, this.sight_lines.object, this.measure_line.object, this.overlay_marks.object,
+      this.flight_marks.lines, this.flight_marks.aircraft);
   }
 
   // Shows a terrain; once.
   show(terrain: Terrain): void {
     this.ground = new ForelandTerrain(terrain, {
-      renderer: this.renderer, materials: pageMaterials(this.haze, this.viewshed_drape.uniforms), ...(this.anisotropy === null ? {} : { anisotropy: this.anisotropy }),
+      renderer: this.renderer, materials: pageMaterials(this.haze, { ...this.viewshed_drape.uniforms, ...this.overlay_drape.uniforms }), ...(this.anisotropy === null ? {} : { anisotropy: this.anisotropy }),
     });
     this.scene.add(this.ground);
   }
   dispose(): void {
     this.ground?.dispose();
+    this.overlay_drape.dispose();
+    this.overlay_marks.dispose();
     this.renderer.dispose();
   }
 
@@ -134,9 +143,10 @@ export class Picture {
     camera.updateProjectionMatrix();
     camera.updateMatrixWorld();
     this.sky.update(camera);
-    this.viewshed_drape.place(ground!.uniforms.u_pivot!.value as THREE.Vector2);
-    this.renderer.clear();
-    this.renderer.render(this.scene, camera);
+    const pivot = ground!.uniforms.u_pivot!.value as THREE.Vector2;
+    this.viewshed_drape.place(pivot);
+    this.overlay_drape.place(pivot);
+    this.flight_marks.draw(this.renderer, this.scene, camera);
     ++this.frames;
   }
 
@@ -155,6 +165,16 @@ export class Picture {
     const { left, top, width, height } = this.canvas.getBoundingClientRect();
     const at = new THREE.Vector3((2 * (x - left)) / width - 1, 1 - (2 * (y - top)) / height, 0.5);
     return at.unproject(this.camera).sub(this.camera.position).normalize().toArray();
+  }
+
+  // Where a point of the scene is in the window, and how deep; null behind the eye.
+  pointOnScreen(point: Vector): Vector | null {
+    const { left, top, width, height } = this.canvas.getBoundingClientRect();
+    const at = new THREE.Vector3(...point).applyMatrix4(this.camera.matrixWorldInverse);
+    const depth = -at.z;
+    if (depth <= 0) return null;
+    at.applyMatrix4(this.camera.projectionMatrix);
+    return [left + (0.5 + 0.5 * at.x) * width, top + (0.5 - 0.5 * at.y) * height, depth];
   }
 
   // Metres across a pixel of the window, on a plane towards the ground that is held in the middle of the view; null where there is none.

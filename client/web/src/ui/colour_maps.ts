@@ -1,8 +1,7 @@
 // The colour maps that can be chosen: those of src/colours, and files that are opened or dropped on the page.
 import { colourAt, readColourMap, stretched, tintsOf, type ColourMap, type Tints } from '@foreland/client/three';
-import { reasonOf } from './words';
 
-const kMaxBytes = 1 << 20; // of a file
+export const kColourFiles = { names: /\.cpt$/i, max_bytes: 1 << 20 };
 const kLegendColours = 24;
 
 const texts = import.meta.glob('../colours/*.cpt', { query: '?raw', import: 'default', eager: true }) as Record<string, string>;
@@ -42,29 +41,4 @@ function legendOf(map: ColourMap, low: number, high: number): Legend {
   const words = [0, 0.25, 0.5, 0.75, 1].map((share) => (low + share * (high - low)).toFixed(0));
   words[4] += ' m';
   return { gradient: `linear-gradient(90deg, ${stops.join(', ')})`, words };
-}
-
-// Files that are dropped on the page, and one that `input` opens. `onFile`, which is not to throw, is given what is in it.
-export function takeFiles(input: HTMLInputElement, onFile: (name: string, text: string) => void, onFailure: (reason: string) => void): void {
-  const take = async (files: FileList | null | undefined) => {
-    const file = files?.[0];
-    if (!file) return;
-    if (file.size > kMaxBytes) return onFailure(`${file.name} has more than ${kMaxBytes >> 20} MB.`);
-    let text: string;
-    try {
-      text = await file.text();
-    } catch (error) {
-      return onFailure(`${file.name} cannot be read: ${reasonOf(error)}`);
-    }
-    onFile(file.name.replace(/\.cpt$/i, ''), text);
-  };
-  input.onchange = () => {
-    void take(input.files);
-    input.value = '';
-  };
-  window.addEventListener('dragover', (event) => event.preventDefault());
-  window.addEventListener('drop', (event) => {
-    event.preventDefault();
-    void take(event.dataTransfer?.files);
-  });
 }

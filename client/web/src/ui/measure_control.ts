@@ -40,6 +40,10 @@ export class MeasureControl {
     this.stage.picture().measure_line.show(measured && measured.corners.length > 2 ? [...this.line, corners[0]!] : this.line, corners);
   }
 
+  get isOn(): boolean {
+    return this.is_on;
+  }
+
   // For tests.
   status(): Record<string, unknown> {
     const { is_on, measured } = this;

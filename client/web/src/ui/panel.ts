@@ -79,6 +79,7 @@ export class Panel {
     this.addColourControls();
     this.addLight();
     this.addLayers();
+    this.addOverlays();
     this.addFlight(speed_mps);
     this.body.append(this.laboratory);
     this.addLaboratory();
@@ -148,6 +149,14 @@ export class Panel {
     layer_rows.shadows = form.switch(body, 'Cast shadows', 'shadows', boundTo(settings, 'shadows'));
     form.switch(body, 'Contours', 'contours', boundTo(settings, 'contours'));
     form.switch(body, 'Haze', 'fog', boundTo(settings, 'fog'));
+  }
+
+  // The rows of OverlayControl, and where a file is opened.
+  private addOverlays(): void {
+    const list = Object.assign(element('div', 'overlays'), { id: 'overlays' });
+    const file = Object.assign(document.createElement('input'), { type: 'file', id: 'overlay-file', name: 'overlay_file', multiple: true, accept: '.geojson,.json,.kml,.kmz,.gpx,.igc' });
+    this.body.append(list);
+    this.form.row(this.body, 'Lay on the ground', file);
   }
 
   private addFlight(speed_mps: Bound<number>): void {

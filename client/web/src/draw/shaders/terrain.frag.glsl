@@ -10,5 +10,5 @@ void main() {
   vec3 colour = lit(albedoOf(ground.normal, ground.height, pixel_m, dx, dy), ground.normal, ground.sunshine);
   colour = withViewshed(withContours(colour, ground.height), v_lattice);
   if (u_haze > 0.0) colour = mix(hazeColour(direction), colour, exp(-hazeAlong(distance_m)));
-  o_colour = vec4(toScreen(colour), 1.0);
+  o_colour = vec4(withOverlay(toScreen(colour), v_lattice, dx, dy), 1.0);
 }

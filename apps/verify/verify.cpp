@@ -3,10 +3,15 @@
 #include <CLI/CLI.hpp>
 #include <cinttypes>
 #include <cstdio>
+#include <filesystem>
 #include <string>
+#include <vector>
 
 #include "apps/options/command_line.h"
+#include "apps/options/foreign_files.h"
 #include "apps/options/options.h"
+#include "apps/verify/verify_source.h"
+#include "terrain/dem/vertical/height_reference.h"
 #include "terrain/imagery/verify_tiles.h"
 #include "terrain/objects/placed_objects.h"
 #include "terrain/store/verify.h"
@@ -87,7 +92,16 @@ Result<uint64_t> verifyTiles(const std::string& path, unsigned threads) {
   return found->faults;
 }
 
-int verifyScene(const std::string& path, unsigned threads) {
+struct Arguments {
+  std::string path;
+  unsigned threads = 0;
+  std::vector<std::string> sources;
+  apps::ForeignFiles foreign;
+};
+
+int verifyScene(const Arguments& arguments) {
+  const std::string& path = arguments.path;
+  const unsigned threads = arguments.threads;
   const auto found = terrain::verifyScene(path, threads);
   if (!found.ok()) return fail(found.error());
   std::printf("header, sizes and table of checksums agree\n");
@@ -107,24 +121,47 @@ int verifyScene(const std::string& path, unsigned threads) {
     printChecks(kSurfaceChecks, objects->models[i]);
     faults += printFaults(path + ": " + name, objects->models[i]);
   }
-  return conclude(path, faults);
+  const auto off = apps::verifySources(path, arguments.sources, arguments.foreign);
+  if (!off.ok()) return fail(off.error());
+  return conclude(path, faults + *off);
+}
+
+// All files that the command names.
+std::vector<std::filesystem::path> filesOf(const Arguments& arguments) {
+  std::vector<std::filesystem::path> files{arguments.path};
+  for (const std::string& source : arguments.sources) {
+    const size_t at = source.rfind("@vertical=");
+    files.emplace_back(source.substr(0, at));
+    if (at != std::string::npos) files.emplace_back(source.substr(source.find('=', at) + 1));
+  }
+  std::erase_if(files, [](const std::filesystem::path& file) { return terrain::isNamedDatum(file.string()); });
+  return files;
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  std::string path;
-  unsigned threads = 0;
+  Arguments arguments;
   CLI::App app("Checks a scene or surface file's checksums and invariants.", "foreland verify");
-  app.add_option("SCENE", path, "a file made by `foreland build` or `foreland remesh`")
+  app.add_option("SCENE", arguments.path, "a file made by `foreland build` or `foreland remesh`")
       ->type_name(apps::file("SCENE.fls"))
       ->required();
-  app.add_option("--threads", threads, "worker threads; 0 for one per processor")
+  app.add_option("--source", arguments.sources,
+                 "a file that the scene was made of, perhaps with @vertical=... as for `foreland build`: whether the "
+                 "scene is within the residual that it states at the file's samples, as far as these alone count")
+      ->type_name(apps::file("FILE"))
+      ->allow_extra_args(false);
+  apps::addForeignFiles(app, arguments.foreign);
+  app.add_option("--threads", arguments.threads, "worker threads; 0 for one per processor")
       ->type_name(apps::whole("N"))
       ->check(apps::within(0u, 1024u))
       ->capture_default_str();
-  if (const auto exit_code =
-          apps::parseCommandLine(app, argc, argv, {{"whether a scene is sound", "foreland verify hills.fls"}}))
+  if (const auto exit_code = apps::parseCommandLine(
+          app, argc, argv,
+          {{"whether a scene is sound", "foreland verify hills.fls"},
+           {"and as close to a survey as it states", "foreland verify alps.fls --source survey.tif"}}))
     return *exit_code;
-  return terrain::isSurfaceFile(path) ? verifySurface(path, threads) : verifyScene(path, threads);
+  if (!arguments.sources.empty()) apps::confineTo(arguments.foreign, filesOf(arguments), {});
+  return terrain::isSurfaceFile(arguments.path) ? verifySurface(arguments.path, arguments.threads)
+                                                : verifyScene(arguments);
 }

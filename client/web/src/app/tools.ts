@@ -1,0 +1,61 @@
+// What is done by hand beside flying: each tool has its button, its keys and its card.
+import type { Controls } from '../ui/controls';
+import { FollowControl } from '../ui/follow_control';
+import { MeasureControl } from '../ui/measure_control';
+import { OverlayControl } from '../ui/overlay_control';
+import { ShareControl } from '../ui/share_control';
+import { SightControl } from '../ui/sight_control';
+import type { Stage } from '../ui/stage';
+import { WaypointControl } from '../ui/waypoint_control';
+
+export const kNotLaid = 'This file cannot be laid on the ground';
+
+// What they need of the page beside the stage.
+export interface ToolPage {
+  stage: Stage;
+  controls: Controls;
+  needs_token: boolean;
+  refuse(title: string, reason: string): void; // a file
+  guide(): void; // a flight takes the camera, or leaves it
+  link(): string; // that leads to what is seen
+}
+
+export class Tools {
+  readonly sight: SightControl;
+  readonly measure: MeasureControl;
+  readonly overlays: OverlayControl;
+  readonly follow: FollowControl;
+  readonly waypoints: WaypointControl;
+
+  constructor(byId: (id: string) => HTMLElement, page: ToolPage) {
+    const { stage, controls } = page, bar = byId('tools');
+    this.sight = new SightControl(stage);
+    this.measure = new MeasureControl(bar, byId('measure'), stage);
+    this.overlays = new OverlayControl(byId('overlays'), byId('feature'), { ...stage, isTaken: () => this.measure.isOn, refuse: (reason) => page.refuse(kNotLaid, reason) });
+    this.follow = new FollowControl(byId('follow'), stage, () => page.guide());
+    this.waypoints = new WaypointControl(bar, byId('waypoints'), stage, controls, this.follow);
+    new ShareControl(bar, byId('share'), () => page.link(), page.needs_token, (text) => stage.say(text));
+    closeOthersIn(bar);
+  }
+
+  // In a picture that took another one's place.
+  show(): void {
+    this.sight.show();
+    this.measure.show();
+    this.follow.show();
+    this.overlays.showAgain();
+  }
+
+  status(): Record<string, unknown> {
+    const { sight, measure, overlays, follow, waypoints } = this;
+    return Object.assign({}, ...[sight, measure, overlays, follow, waypoints].map((tool) => tool.status()));
+  }
+}
+
+// There is room for one card: opening one closes the others.
+function closeOthersIn(bar: HTMLElement): void {
+  bar.addEventListener('click', ({ target }) => {
+    if (!(target instanceof HTMLButtonElement) || target.getAttribute('aria-pressed') !== 'true') return;
+    for (const button of bar.querySelectorAll<HTMLButtonElement>("button[aria-pressed='true']")) if (button !== target) button.click();
+  });
+}
