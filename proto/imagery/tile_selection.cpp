@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <numbers>
 
 #include "base/sort.h"
 #include "proto/refine/metric/frustum.h"
@@ -194,7 +195,8 @@ class Selection {
                            frame_.toScene(LatticePosition{x + 1, y, height_m}));
     };
     const double south = spacingAt(g.box.low.y), north = spacingAt(g.box.high.y);
-    return g.radius / frame_.frame().minRadius() + std::fabs(std::log(std::max(south, 1e-9) / std::max(north, 1e-9)));
+    return g.radius / frame_.frame().minRadius() +
+           std::numbers::ln2 * std::fabs(std::log2(std::max(south, 1e-9) / std::max(north, 1e-9)));
   }
 
   // How much larger things are on a plane screen at an angle from its middle, at the tile's visible point where that is

@@ -18,8 +18,11 @@ namespace foreland::client {
 class FaceNormal {
  public:
   // For triangles whose edges are no longer than `longest_edge` (metres, or an object's own units).
-  explicit FaceNormal(double longest_edge)
-      : rounder_(std::exp2(std::ceil(2 * std::log2(std::max(longest_edge, 1e-100))) - 48 + 51) * 3) {}
+  explicit FaceNormal(double longest_edge) {
+    int exponent = 0;  // of the power of two above the largest product
+    std::frexp(std::max(longest_edge * longest_edge, 1e-200), &exponent);
+    rounder_ = std::ldexp(3.0, exponent - 48 + 51);
+  }
 
   // Twice the triangle's area, along its normal.
   glm::dvec3 operator()(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) const {
@@ -28,7 +31,7 @@ class FaceNormal {
   }
 
  private:
-  double rounder_;  // 1.5 * 2^52 quanta
+  double rounder_ = 0;  // 1.5 * 2^52 quanta
 };
 
 // Of a terrain: edges span at most a root square's side, and 20 km of height.
