@@ -23,7 +23,7 @@ readonly build_packages=(
   zlib1g-dev libbrotli-dev libmeshoptimizer-dev libdraco-dev libseccomp-dev
 )
 readonly page_packages=(clang-19 lld-19 llvm-19 wasi-libc libc++-19-dev-wasm32 libclang-rt-19-dev-wasm32)
-readonly test_packages=(curl openssl libsdl2-dev libgl-dev libgl1-mesa-dri xvfb xauth pkg-config clang-format clang-tidy clang-19 libclang-rt-19-dev libgtest-dev librapidcheck-dev proj-bin haproxy prometheus nginx-light caddy chromium fonts-dejavu-core man-db mkdocs mkdocs-material)
+readonly test_packages=(curl openssl libsdl2-dev libgl-dev libgl1-mesa-dri xvfb xauth pkg-config clang-format clang-tidy clang-19 libclang-rt-19-dev libgtest-dev librapidcheck-dev proj-bin haproxy prometheus docker-compose nginx-light caddy chromium fonts-dejavu-core man-db mkdocs mkdocs-material)
 readonly package_packages=(dpkg-dev file lintian debootstrap systemd qemu-user)
 readonly processors_packages=(g++-aarch64-linux-gnu qemu-user)
 
