@@ -31,7 +31,7 @@ install(FILES README.md DESTINATION ${doc_dir}/foreland COMPONENT foreland)
 install(DIRECTORY docs DESTINATION ${doc_dir}/foreland COMPONENT foreland
   FILES_MATCHING PATTERN *.md PATTERN engine_*.svg PATTERN page.jpg
   PATTERN decisions EXCLUDE PATTERN manual EXCLUDE PATTERN MUTATIONS.* EXCLUDE PATTERN THREADS.* EXCLUDE)
-install(FILES deploy/haproxy.cfg deploy/nginx.conf deploy/Caddyfile deploy/prometheus/alerts.yml deploy/grafana/foreland.json DESTINATION ${doc_dir}/foreland/examples COMPONENT foreland)
+install(FILES deploy/haproxy.cfg deploy/haproxy-fleet.cfg deploy/nginx.conf deploy/Caddyfile deploy/prometheus/alerts.yml deploy/grafana/foreland.json DESTINATION ${doc_dir}/foreland/examples COMPONENT foreland)
 # Debian's packages name the licence, of which every Debian has the text.
 install(FILES LICENSE DESTINATION ${doc_dir}/foreland COMPONENT checkout)
 
