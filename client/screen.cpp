@@ -15,13 +15,13 @@ void Screen::add(const Interval& interval, uint32_t oldest_version) {
   schedule.add(interval);
 }
 
-ScreenFrame Screen::frame(Time now, const proto::Pose& pose, proto::Strategy strategy, uint32_t ready,
-                          uint32_t coming) {
+ScreenFrame Screen::frame(Time now, const proto::Pose& pose, const proto::Lens& lens, proto::Strategy strategy,
+                          uint32_t ready, uint32_t coming) {
   camera.add(now, pose);
   const Schedule::Shown shown = schedule.at(now, ready, coming);
   ScreenFrame out{.interval = std::nullopt, .pose = pose, .next_version = schedule.next()};
   if (shown.interval == nullptr) return out;
-  const ShownFrame frame = showFrame(shown, camera, pose, strategy);
+  const ShownFrame frame = showFrame(shown, camera, pose, lens, strategy);
   out.interval = *shown.interval;
   out.pose = frame.pose;
   out.weight = shown.weight;

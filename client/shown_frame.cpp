@@ -13,23 +13,38 @@ namespace {
 
 constexpr Duration kPoseMemory = Duration::milliseconds(10'000);
 
-bool covers(const proto::KeyframeHeader& k, const proto::Pose& camera) {
-  return glm::distance(k.pose.eye, camera.eye) <= k.region_radius_m &&
-         proto::angleBetween(k.pose.orientation, camera.orientation) <= k.region_angle_rad;
+constexpr float kNone = std::numeric_limits<float>::infinity();
+
+struct Camera {
+  proto::Pose pose;
+  proto::Lens lens;
+};
+
+// By how much errors are larger on the screen than through the keyframe's lens; kNone if more is seen than through it.
+float magnification(const proto::Lens& keyframe, const proto::Lens& shown) {
+  if (shown == keyframe) return 1;
+  constexpr double kRounding = 1e-9;
+  const auto tanHalfWidth = [](const proto::Lens& l) { return l.tanHalfFov() * l.width_px / l.height_px; };
+  const bool sees_more = shown.tanHalfFov() > keyframe.tanHalfFov() * (1 + kRounding) ||
+                         tanHalfWidth(shown) > tanHalfWidth(keyframe) * (1 + kRounding);
+  return sees_more ? kNone : static_cast<float>(shown.focalPx() / keyframe.focalPx());
+}
+
+// What the section of a keyframe guarantees for a camera.
+float toleranceOf(const proto::KeyframeHeader& k, const Camera& camera) {
+  const bool is_covered = glm::distance(k.pose.eye, camera.pose.eye) <= k.region_radius_m &&
+                          proto::angleBetween(k.pose.orientation, camera.pose.orientation) <= k.region_angle_rad;
+  return is_covered ? k.frameTolerance() * magnification(k.lens, camera.lens) : kNone;
 }
 
 // At weight 0 the newest section is not shown, and at 1 the oldest one, and its guarantee does not matter.
-float toleranceOf(const Interval& interval, float weight, const proto::Pose& camera) {
-  constexpr float kNone = std::numeric_limits<float>::infinity();
-  const proto::KeyframeHeader& from = interval.from;
-  const proto::KeyframeHeader& to = interval.to;
+float toleranceOf(const Interval& interval, float weight, const Camera& camera) {
   float tolerance_px = 0;
-  if (weight < 1 || interval.earlier.count > 0) tolerance_px = covers(from, camera) ? from.frameTolerance() : kNone;
-  if (weight > 0) tolerance_px = std::max(tolerance_px, covers(to, camera) ? to.frameTolerance() : kNone);
+  if (weight < 1 || interval.earlier.count > 0) tolerance_px = toleranceOf(interval.from, camera);
+  if (weight > 0) tolerance_px = std::max(tolerance_px, toleranceOf(interval.to, camera));
   for (uint32_t i = 0; i < interval.earlier.count; ++i) {
-    const proto::KeyframeHeader& earlier = interval.earlier.headers[i];
     const bool is_shown = i + 1 < interval.earlier.count || weight < 1;
-    if (is_shown) tolerance_px = std::max(tolerance_px, covers(earlier, camera) ? earlier.frameTolerance() : kNone);
+    if (is_shown) tolerance_px = std::max(tolerance_px, toleranceOf(interval.earlier.headers[i], camera));
   }
   return tolerance_px;
 }
@@ -68,14 +83,14 @@ proto::Pose CameraPath::at(Time t) const {
 }
 
 ShownFrame showFrame(const Schedule::Shown& shown, const CameraPath& camera, const proto::Pose& pose,
-                     proto::Strategy strategy) {
+                     const proto::Lens& lens, proto::Strategy strategy) {
   const Interval& interval = *shown.interval;
   const auto weight = static_cast<float>(shown.weight);
   ShownFrame frame{.pose = strategy == proto::Strategy::kDelay ? camera.at(shown.shown_time) : pose};
-  frame.tolerance_px = toleranceOf(interval, weight, frame.pose);
+  frame.tolerance_px = toleranceOf(interval, weight, {frame.pose, lens});
   frame.is_outside = std::isinf(frame.tolerance_px);
   if (strategy == proto::Strategy::kCurrent && !camera.hasJumpedSince(shown.shown_time))
-    frame.tolerance_px = toleranceOf(interval, weight, camera.at(shown.shown_time));
+    frame.tolerance_px = toleranceOf(interval, weight, {camera.at(shown.shown_time), lens});
   return frame;
 }
 

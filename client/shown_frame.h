@@ -33,13 +33,15 @@ class CameraPath {
 };
 
 struct ShownFrame {
-  proto::Pose pose;         // the camera: M(t), or M(t_d) with strategy `delay`
-  float tolerance_px = 0;   // as FrameView::tolerance_px
-  bool is_outside = false;  // the camera is outside the region that a shown keyframe is computed for
+  proto::Pose pose;        // the camera: M(t), or M(t_d) with strategy `delay`
+  float tolerance_px = 0;  // as FrameView::tolerance_px
+  // The camera is outside the region that a shown keyframe is computed for, or its lens sees more than the keyframe's.
+  bool is_outside = false;
 };
 
-// `shown` must have an interval; `pose` is the camera's now, and the last one of `camera`.
+// `shown` must have an interval; `pose` is the camera's now, and the last one of `camera`; `lens` is what it is drawn
+// with, which a window that grows has changed since the keyframes shown were computed.
 ShownFrame showFrame(const Schedule::Shown& shown, const CameraPath& camera, const proto::Pose& pose,
-                     proto::Strategy strategy);
+                     const proto::Lens& lens, proto::Strategy strategy);
 
 }  // namespace foreland::client

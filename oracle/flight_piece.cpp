@@ -16,7 +16,7 @@ FlightJudgement FlightJudge::judge(const FlightPiece& piece) {
 
 void FlightJudge::judgeKeyframe(const FlightPiece& piece, FlightJudgement& found) {
   const client::KeyframeMesh& mesh = *piece.mesh;
-  found.keyframe = oracle_.error(mesh, 1, mesh.to.pose, piece.lens);
+  found.keyframe = oracle_.error(mesh, 1, mesh.to.pose, mesh.to.lens);
   found.is_keyframe_over_tolerance = found.keyframe->max_px > mesh.to.frameTolerance() + kSlack_px;
   if (!piece.keyframe->exact) return;
   const DrawnShare newest{.mesh = &mesh, .weight = 1}, exact{.mesh = piece.keyframe->exact->mesh(section_at_).get()};

@@ -87,6 +87,7 @@ class Terrain {
 
   Choice choice_;
   proto::Strategy strategy_;
+  proto::Lens lens_;
   const bool has_meshes_;
   Screen screen_;
   std::deque<Happening> happenings_;

@@ -1,6 +1,9 @@
 // Whole flights in virtual time: the laws of a session, whatever the link does.
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <utility>
+
 #include "oracle/crack_checker.h"
 #include "oracle/oracle.h"
 #include "oracle/scene_truth.h"
@@ -160,6 +163,36 @@ TEST(World, ErrorInEveryFrameIsAtMostTauOnAKnownPath) {
     EXPECT_EQ(world.report(), "");
     EXPECT_EQ(world.viewer(0).statistics().frames_outside, 0u) << tour;
   }
+}
+
+// A window that grows, a zoom, and a field of view that widens: until the keyframes for the new lens are there, a frame
+// states what its own lens makes of their errors, or that nothing is guaranteed.
+TEST(World, FramesStateTheErrorThroughTheLensThatTheyAreDrawnWith) {
+  const auto scene = alps();
+  oracle::Oracle oracle(oracle::truthOf(scene));
+  World world(scene, {}, Duration::milliseconds(4), 1);
+  world.addClient(flying(*scene, "canyon", Strategy::kPredict, Predictor::kKnownPath));
+  const proto::Lens lenses[] = {
+      smallLens(), {smallLens().vertical_fov_rad, 960, 540}, {0.3, 480, 270}, {1.6, 480, 270}, smallLens()};
+  size_t coarser = 0, outside = 0, judged = 0, lens = 0;
+  world.on_frame = [&](size_t, const client::FrameView& view, Time now) {
+    const auto wanted = static_cast<size_t>(now.us / 1'000'000) % std::size(lenses);
+    if (std::exchange(lens, wanted) != wanted) {
+      proto::ViewRequest request = world.viewer(0).request();
+      request.lens = lenses[wanted];
+      return world.changeRequest(0, request);  // what was drawn just now was drawn with the lens before
+    }
+    if (now < Time::seconds(1)) return;
+    if (std::isinf(view.tolerance_px)) return void(++outside);
+    ++judged;
+    coarser += view.tolerance_px > 1.001F;
+    const oracle::DrawnShare drawn{.mesh = view.mesh, .weight = view.weight};
+    EXPECT_LE(oracle.error({&drawn, 1}, view.pose, lenses[wanted]).max_px, view.tolerance_px + 1e-3) << now.us;
+  };
+  world.run(Time::seconds(6));
+  EXPECT_GT(coarser, 10u);
+  EXPECT_GT(outside, 10u);
+  EXPECT_GT(judged, 200u);
 }
 
 TEST(World, FramesOutsideTheGuaranteedRegionAreCounted) {

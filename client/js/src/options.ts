@@ -1,5 +1,5 @@
 // What a terrain is opened with, and what of it can be changed in flight.
-import type { Blend, Predictor, Request, Strategy } from './core/values.js';
+import type { Blend, Predictor, Request, RequestedLens, Strategy } from './core/values.js';
 
 export type { Blend, Predictor, Strategy };
 
@@ -66,13 +66,16 @@ export interface OpenOptions extends TerrainOptions {
 export const kDefaultLens: Lens = { fovY: (55 * Math.PI) / 180, width: 1280, height: 720 };
 
 /** @internal */
+export function requestedLens({ fovY, width, height }: Lens): RequestedLens {
+  return { fov_rad: fovY, width_px: Math.round(width), height_px: Math.round(height) };
+}
+
+/** @internal */
 export function requestOf(options: TerrainOptions, limits: Limits, lens: Lens, has_bitmaps: boolean): Request {
   const keyframe = options.keyframeMs ?? 200;
   const [shortest, longest] = typeof keyframe === 'number' ? [keyframe, 0] : [keyframe.shortest, keyframe.longest];
   return {
-    fov_rad: lens.fovY,
-    width_px: Math.round(lens.width),
-    height_px: Math.round(lens.height),
+    ...requestedLens(lens),
     strategy: options.strategy ?? 'predict',
     predictor: options.predictor ?? 'velocity',
     tau_px: options.tolerancePx ?? 1,

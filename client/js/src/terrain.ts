@@ -200,7 +200,7 @@ export class Terrain {
   frame(now: number, pose: Pose, eye: readonly number[] = pose.eye): Frame {
     if (!this.session || this.end) return this.last ?? { ...kNoFrame, pose, shownTime: now };
     const { session, feed: { sink } } = this;
-    const shown = session.screen.frame(now, pose, this.wishes.options.strategy ?? 'predict', sink.ready, sink.coming);
+    const shown = session.screen.frame(now, pose, this.wishes.requestedLens, this.wishes.options.strategy ?? 'predict', sink.ready, sink.coming);
     this.last = frameOf(shown);
     this.tellGuarantee(this.last.guaranteedPx);
     session.frame(now, pose, eye, this.current ? this.reach.of(this.current.welcome, eye) : 1, sink.staged);

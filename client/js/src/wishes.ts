@@ -1,8 +1,8 @@
 // What is wanted of a terrain, and the request that the server is sent for it.
-import type { Pose, Request } from './core/values.js';
+import type { Pose, Request, RequestedLens } from './core/values.js';
 import { ForelandError } from './errors.js';
 import { theHost } from './host.js';
-import { kDefaultLens, requestOf, type Lens, type Limits, type OpenOptions, type TerrainOptions } from './options.js';
+import { kDefaultLens, requestedLens, requestOf, type Lens, type Limits, type OpenOptions, type TerrainOptions } from './options.js';
 
 const kMaxPoses = 100_000; // of a path; proto/message/control.h
 const kLongestStep_ms = 60_000;
@@ -41,6 +41,9 @@ export class Wishes {
     return numbers;
   }
 
+  get requestedLens(): RequestedLens {
+    return requestedLens(this.lens);
+  }
   get request(): Request {
     const predictor = this.options.predictor ?? (this.path_version > 0 ? 'path' : 'velocity');
     return requestOf({ ...this.options, predictor }, this.limits, this.lens, theHost().has_bitmaps);

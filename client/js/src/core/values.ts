@@ -11,10 +11,12 @@ export type Strategy = (typeof kStrategies)[number];
 export type Predictor = (typeof kPredictors)[number];
 export type Blend = (typeof kBlends)[number];
 
-export interface Request {
+export interface RequestedLens {
   fov_rad: number;
   width_px: number;
   height_px: number;
+}
+export interface Request extends RequestedLens {
   tau_px: number;
   strategy: Strategy;
   predictor: Predictor;
