@@ -79,6 +79,7 @@ MUTATIONS = [
     of("height: prediction", "proto/codec", "3 * curve()", "2 * curve()", DELTA),
     of("decision: context", "proto/codec", "(2 * before_ + (got ? 1 : 0)) & 3", "(2 * before_ + (got ? 1 : 0)) & 1", DELTA),
     of("height: displacement", "proto/codec/delta_codec", "height - record.middle()", "height", DELTA),
+    of("refusals: of all", "proto/codec/delta_codec", "any |= is_rejected & decisions[end];", "any |= 0;", DELTA),
     of("section: closure dropped", "proto/codec/section_codec", "(has_all ? page.candidates : page.half).set(low);",
        "page.candidates.set(low);", "proto_test:HeldSectionsCodec*"),
     of("object: frontier", "proto/codec/surface_cut", "if (!hasChild(parent, level - 1)) addToFrontier(mesh_->slot(parent, level - 1));",

@@ -85,6 +85,9 @@ class Flight:
             def height(self, n, least):
                 return flight.measure("height", n.level, lambda: super(Watched, self).height(n, least))
 
+            def are_refused(self, count):
+                return flight.measure("decision", flight.level, lambda: super(Watched, self).are_refused(count))
+
             def decision_of_leaf(self, n, is_new, bound, least):
                 return flight.measure("decision", n.level, lambda: super(Watched, self).decision_of_leaf(n, is_new, bound, least))
 

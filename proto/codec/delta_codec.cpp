@@ -15,11 +15,19 @@ namespace {
 // Halves of octaves, rounded down: floor(2 log2 x) up to the mantissa's linearity. x > 0.
 int halfOctaves(double x) { return static_cast<int>(std::bit_cast<uint64_t>(x) >> 51) - 2 * 1023; }
 
+bool arePageMates(Slot a, Slot b) { return a / kPageSlots == b / kPageSlots; }
+
 size_t binOf(int x, std::initializer_list<int> edges) {
   size_t bin = 0;
   for (int edge : edges) bin += x >= edge ? 1 : 0;
   return bin;
 }
+
+constexpr std::array<uint16_t, TerrainBatch::kSize> kAll = [] {
+  std::array<uint16_t, TerrainBatch::kSize> all{};
+  for (size_t i = 0; i < all.size(); ++i) all[i] = static_cast<uint16_t>(i);
+  return all;
+}();
 
 // One level's nodes, one after the other, with the contexts of each.
 template <class Coder, class Nodes>
@@ -43,19 +51,20 @@ class LevelCoder {
   FORELAND_WITH_BIT_INSTRUCTIONS void codeDecisions(std::span<const Predicate> predicates,
                                                     std::span<uint8_t> decisions) {
     cached_contexts_.clear();
+    const std::span<const uint16_t> left = codeRefusals(predicates, decisions);
     constexpr size_t kAhead = 64;
     std::array<Records, kAhead> records;
     std::array<Context, kAhead> contexts;
-    std::array<uint8_t, kAhead> got;
-    for (size_t begin = 0; begin < predicates.size(); begin += kAhead) {
-      const size_t count = std::min(kAhead, predicates.size() - begin);
-      for (size_t i = 0; i < count; ++i) records[i] = find(predicates[begin + i]);
-      for (size_t i = 0; i < count; ++i) contexts[i] = contextOf(predicates[begin + i], records[i]);
-      for (size_t i = 0; i < count; ++i) got[i] = codeDecision(contexts[i], decisions[begin + i] != 0) ? 1 : 0;
-      for (size_t i = 0; i < count; ++i)
-        cached_contexts_.keepIf(got[i] & !predicates[begin + i].is_in_section, predicates[begin + i].slot,
-                                contexts[i].context);
-      std::copy_n(got.begin(), count, decisions.begin() + static_cast<std::ptrdiff_t>(begin));
+    for (size_t begin = 0; begin < left.size(); begin += kAhead) {
+      const auto some = left.subspan(begin, std::min(kAhead, left.size() - begin));
+      for (size_t i = 0; i < some.size(); ++i) records[i] = find(predicates[some[i]]);
+      for (size_t i = 0; i < some.size(); ++i) contexts[i] = contextOf(predicates[some[i]], records[i]);
+      for (size_t i = 0; i < some.size(); ++i)
+        decisions[some[i]] = codeDecision(contexts[i], decisions[some[i]] != 0) ? 1 : 0;
+      for (size_t i = 0; i < some.size(); ++i) {
+        const Predicate& q = predicates[some[i]];
+        cached_contexts_.keepIf(decisions[some[i]] & !q.is_in_section, q.slot, contexts[i].context);
+      }
     }
   }
 
@@ -65,6 +74,31 @@ class LevelCoder {
   }
 
  private:
+  static bool isRejected(const Predicate& q) { return q.client_knowledge == ClientKnowledge::kRejected; }
+  // Codes for each page whether all of its nodes that have probably been refused before are refused again. Mostly they
+  // are, and then nothing else is coded about them. The result are the predicates that are left, by their index.
+  std::span<const uint16_t> codeRefusals(std::span<const Predicate> predicates, std::span<uint8_t> decisions) {
+    if (std::ranges::none_of(predicates, isRejected)) return std::span(kAll).first(predicates.size());
+    size_t left = 0;
+    for (size_t begin = 0, end = 0; begin < predicates.size(); begin = end) {
+      uint32_t count = 0, any = 0;
+      for (; end < predicates.size() && arePageMates(predicates[begin].slot, predicates[end].slot); ++end) {
+        const uint32_t is_rejected = isRejected(predicates[end]) ? 1 : 0;
+        count += is_rejected;
+        any |= is_rejected & decisions[end];
+      }
+      const size_t octave = std::clamp<size_t>(static_cast<size_t>(std::bit_width(count)), 1, DeltaModel::kCounts) - 1;
+      const bool are_refused = count > 0 && coder_.code(model_.refused[octave], any == 0);
+      for (size_t i = begin; i < end; ++i) {
+        const bool is_refused = are_refused && isRejected(predicates[i]);
+        decisions[i] = is_refused ? 0 : decisions[i];
+        left_[left] = static_cast<uint16_t>(i);
+        left += is_refused ? 0 : 1;
+      }
+    }
+    return std::span(left_).first(left);
+  }
+
   int32_t codeHeight(const PredictionContext& context, QuantisedError passed, int32_t height) {
     const double least = quantaOf(passed), expected = context.expected();
     const size_t scale = static_cast<size_t>(
@@ -138,6 +172,7 @@ class LevelCoder {
   size_t scale_;
   double quanta_per_m_;
   size_t before_ = 0;  // the last two decisions
+  std::array<uint16_t, TerrainBatch::kSize> left_;
 };
 
 // An encoder passes whether the page is there, a decoder gets it. Where one page is there, its neighbours mostly are.
@@ -161,7 +196,7 @@ bool DeltaEncoder::hasPage(Slot first) {
 QuantisedRadius DeltaEncoder::radius(Slot first) {
   const double before = coder_.bits();
   const QuantisedRadius radius = nodes_.at(first).radius();
-  Symbols(coder_, model_.escape).treeOrByte<3>(model_.radius[0], radius.value);
+  Symbols(coder_, model_.escape).treeOrByte<3>(model_.radius, radius.value);
   bits_.radii += coder_.bits() - before;
   return radius;
 }
@@ -218,7 +253,7 @@ bool DeltaEncoder::isHidden(const HiddenBlocks& blocks, const BlockId& block) {
 bool DeltaDecoder::hasPage(Slot) { return codeHasPage(coder_, model_, pages_before_, false); }
 
 QuantisedRadius DeltaDecoder::radius(Slot) {
-  const uint32_t value = Symbols(coder_, model_.escape).treeOrByte<3>(model_.radius[0], 0);
+  const uint32_t value = Symbols(coder_, model_.escape).treeOrByte<3>(model_.radius, 0);
   return {static_cast<uint8_t>(std::min<uint32_t>(value, QuantisedRadius::kMax))};
 }
 

@@ -2,7 +2,8 @@
 // the keyframe's view, so nothing is sent that follows from the view and from the bounds that both ends know. A delta
 // holds five kinds of numbers, each where the adapter pulls it from its source:
 //   blocks     say which blocks of the terrain are hidden (block_coder.h), on connections whose welcome says so
-//   decisions  are answers to predicates: is a node's error at least the least that the view shows?
+//   decisions  are answers to predicates: is a node's error at least the least that the view shows? One bit says of
+//              all of a page's nodes that have probably been refused before that they are refused again
 //   heights    are those of the nodes that are added to the section, exact
 //   pages      say of each page of a sparse level that was empty so far whether it is there
 //   radii      are one for each page that was empty so far, and is there
@@ -38,14 +39,15 @@ inline constexpr size_t kMaxSectionNodes = 1u << 24;
 // to 2^4; kScales bins of half an octave hold the larger one in quanta, from 2^-2 to 2^12; kRatios bins hold the ratio
 // coarsely. What lies outside falls into the first or the last bin.
 struct DeltaModel {
-  static constexpr size_t kSizes = 16, kScales = 28, kRatios = 4;
+  static constexpr size_t kSizes = 16, kScales = 28, kRatios = 4, kCounts = 8;
 
   std::array<AdaptiveBit, 4 * kSizes * 8 * 4> newly_addable;  // Nodes that are new to the frontier use these.
   std::array<AdaptiveBit, kSizes * 8 * 8> addable;            // Other nodes that can be added use these.
   std::array<AdaptiveBit, 2 * 4 * 8> leaf;
   std::array<NumberModel, kScales * kRatios * 2> height;
-  std::array<std::array<AdaptiveBit, 8>, 2> radius;
-  std::array<AdaptiveBit, 8> has_page;  // by the last three answers of the delta
+  std::array<AdaptiveBit, 8> radius;
+  std::array<AdaptiveBit, kCounts> refused;  // by the octave of how many nodes of a page this is about
+  std::array<AdaptiveBit, 8> has_page;       // by the last three answers of the delta
   EscapeModel escape;
   BlockModel blocks;
   bool signals_blocks = false;  // Deltas of the connection say which blocks are hidden (Welcome::occlusion).

@@ -24,6 +24,7 @@ class Model:
         self.newly_addable = [[[contexts(4) for _ in range(8)] for _ in range(16)] for _ in range(4)]
         self.addable = [[contexts(8) for _ in range(8)] for _ in range(16)]
         self.leaf = [[contexts(8) for _ in range(4)] for _ in range(2)]
+        self.refused = contexts(8)
         self.height = [[[Number() for _ in range(2)] for _ in range(4)] for _ in range(28)]
         self.escape = contexts(32)
         self.radius = contexts(8)
@@ -130,6 +131,10 @@ class DeltaDecoder:
         difference -= ends
         curve, magnitude = difference + sum(displacements), sum(map(abs, displacements))
         return ends, curve, 0.25 * (2 * magnitude + abs(difference)) + 0.25
+
+    def are_refused(self, count):
+        """So many nodes of a page."""
+        return self.coder.bit(self.model.refused[min(count.bit_length() - 1, 7)])
 
     def decision_of_leaf(self, n, is_new, bound, least):
         own = abs(self.displacement_of(n.x, n.y)) + 0.25

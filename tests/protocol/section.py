@@ -1,5 +1,6 @@
 """The refinement test and the step from keyframe to keyframe: sections 9 and 10 of docs/PROTOCOL.md."""
 
+import itertools
 import math
 import struct
 
@@ -270,7 +271,14 @@ class Section:
         finest = {slot >> 8: self.pages[slot >> 8].finest for slot in group}
         self.delta.begin_group()
         self.decided = []  # (slot, least, bound before, was it in, is it in)
-        resolved = [(slot, self.resolve_one(slot, is_new[slot], finest[slot >> 8])) for slot in group]
+        known = {slot: self.resolve_one(slot, is_new[slot], finest[slot >> 8]) for slot in group}
+        refused = self.refused([(slot, least, finest[slot >> 8]) for slot, (is_in, least) in known.items()
+                                if is_in is None and is_new[slot] and slot not in self.slots])
+        resolved = []
+        for slot, (is_in, least) in known.items():
+            if is_in is None:
+                is_in = self.decide(slot, least, is_new[slot], finest[slot >> 8], slot in refused)
+            resolved.append((slot, is_in))
         for slot, least, _, _, is_in in self.decided:
             if is_in and slot not in self.pages[slot >> 8].known:
                 self.heights[slot] = self.delta.height(self.nodes[slot], least)
@@ -284,7 +292,17 @@ class Section:
                 page.settled[slot] = at_least
         return resolved
 
+    def refused(self, new):
+        """Those of the (slot, least, finest) that are refused with others of their page."""
+        refused = set()
+        for page, nodes in itertools.groupby(new, lambda node: node[0] >> 8):
+            likely = [node for node in nodes if self.familiarity(*node) == 2]
+            if likely and self.delta.are_refused(len(likely)):
+                refused.update(slot for slot, _, _ in likely)
+        return refused
+
     def resolve_one(self, slot, is_new, finest):
+        """Whether it is in, None if that is to be decided; and its least error that passes."""
         least, is_leaf, page = self.test.least(self.spheres[slot]), slot in self.slots, self.pages[slot >> 8]
         is_settled = slot in page.settled
         if is_settled:
@@ -295,19 +313,23 @@ class Section:
         if least == NONE:
             if is_leaf and not is_settled:
                 self.bounds[slot] = 255
-            return False
+            return False, least
         if is_settled:
-            return bound >= least
+            return bound >= least, least
         if is_new and not is_leaf and slot in page.known and finest >= least:
             self.bounds[slot] = finest
-            return True
-        if is_leaf == (bound >= least):
-            return is_leaf
-        if is_leaf:
-            decision = bool(self.delta.decision_of_leaf(self.nodes[slot], is_new, bound, least))
+            return True, least
+        return (is_leaf if is_leaf == (bound >= least) else None), least
+
+    def decide(self, slot, least, is_new, finest, is_refused):
+        bound, is_leaf, n = self.bounds[slot], slot in self.slots, self.nodes[slot]
+        if is_refused:
+            decision = False
+        elif is_leaf:
+            decision = bool(self.delta.decision_of_leaf(n, is_new, bound, least))
         else:
             familiarity = self.familiarity(slot, least, finest) if is_new else None
-            decision = bool(self.delta.decision_of_addable(self.nodes[slot], bound, least, familiarity, finest))
+            decision = bool(self.delta.decision_of_addable(n, bound, least, familiarity, finest))
         self.bounds[slot] = least if decision else least - 1
         self.decided.append((slot, least, bound, is_leaf, decision))
         return decision

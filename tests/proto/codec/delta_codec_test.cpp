@@ -72,6 +72,51 @@ TEST(DeltaCodec, BothEndsEndWhereRefinementFromScratchDoes) {
   }
 }
 
+// A scene's records, and what is decided of nodes that have probably been refused before.
+class CountedRefusals final : public TerrainSource {
+ public:
+  explicit CountedRefusals(const StoredNodes& nodes) : nodes_(nodes) {}
+  QuantisedRadius radius(Slot first) override { return nodes_.radius(first); }
+  void load(TerrainBatch& batch) override { nodes_.load(batch); }
+  bool decide(int level, std::span<const Predicate> predicates, std::span<uint8_t> decisions) override {
+    nodes_.decide(level, predicates, decisions);
+    for (size_t i = 0; i < predicates.size(); ++i)
+      if (predicates[i].client_knowledge == ClientKnowledge::kRejected) ++(decisions[i] != 0 ? accepted : refused);
+    return true;
+  }
+  size_t refused = 0, accepted = 0;
+
+ private:
+  InMemoryNodes nodes_;
+};
+
+// A camera that looks here and there in turn asks about the same nodes each time. Most that were refused are so again,
+// and a page says so by one bit; others never were, for they were out of sight when their page was asked about.
+TEST(DeltaCodec, NodesThatWereRefusedMayBeRefusedTogetherOrNot) {
+  const uint64_t seed = testing::UnitTest::GetInstance()->random_seed();
+  Rng rng(seed);
+  const test::ToyTerrain terrain({1, 1, 7, 129, 129}, rng.next());
+  Server server(terrain);
+  Client client(terrain);
+  TerrainAdapter watched(terrain.domain());
+  CountedRefusals counted(terrain.stored());
+  View view;
+  view.tau_px = 4;
+  for (int i = 0; i < 60; ++i) {
+    const double yaw = (i % 2 == 0 ? 0.4 : 3.5) + rng.uniform(-0.1, 0.1);
+    view.pose = {{600, 600, 300.0 - i}, lookAlong({std::cos(yaw), std::sin(yaw), -0.6}, {0, 0, 1})};
+    const std::string where = "seed " + std::to_string(seed) + ", step " + std::to_string(i);
+    ASSERT_TRUE(client.receive(view, server.send(view)).ok()) << where;
+    expectSame(terrain, client, view, where);
+    CutDelta delta;
+    AdaptScratch scratch;
+    ASSERT_TRUE(watched.adapt(view, kNoLimit, counted, scratch, delta)) << where;
+  }
+  EXPECT_GT(counted.refused, 10u) << "seed " << seed;
+  EXPECT_GT(counted.accepted, 10u) << "seed " << seed;
+  EXPECT_GT(counted.refused, counted.accepted) << "seed " << seed;
+}
+
 // Both ends resume from a section of which they know the nodes alone.
 TEST(DeltaCodec, ResumesFromASection) {
   const uint64_t seed = testing::UnitTest::GetInstance()->random_seed();
