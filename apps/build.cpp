@@ -353,29 +353,37 @@ std::string verticalOfScene(const Arguments& arguments, const terrain::Elevation
   return choice && *choice != terrain::kAsTheFileSays ? *choice : terrain::choiceNamed(info.vertical.name);
 }
 
+Result<std::vector<terrain::ObjectRequest>> parseObjects(const std::vector<std::string>& texts) {
+  std::vector<terrain::ObjectRequest> objects;
+  for (const std::string& text : texts) {
+    auto object = terrain::parseObject(text);
+    if (!object.ok()) return object.error();
+    objects.push_back(std::move(*object));
+  }
+  return objects;
+}
+
 int build(const Arguments& arguments) {
   const Clock::time_point begun = Clock::now();
   if (Status s = checkOutput(arguments); !s.ok()) return fail(s.error());
-  auto source = terrain::openElevation(arguments.inputs, arguments.open);
+  auto objects = parseObjects(arguments.objects);
+  if (!objects.ok()) return fail(objects.error());
+  auto of_poses = epochsOfPoses(*objects);
+  if (!of_poses.ok()) return fail(of_poses.error());
+  terrain::OpenOptions open = arguments.open;
+  // What changes in time has heights everywhere.
+  if (!arguments.epochs.empty() || !of_poses->empty()) open.lattice = terrain::LatticeChoice::kWhole;
+  auto source = terrain::openElevation(arguments.inputs, open);
   if (!source.ok()) return fail(source.error());
   describeInput((*source)->info());
   terrain::BuildOptions options{.output = arguments.output,
                                 .height_quantum_m = chooseVerticalStep(arguments, (*source)->info()),
                                 .threads = arguments.threads,
-                                .widen_quantum = !arguments.vertical_step_m};
-  for (const std::string& text : arguments.objects) {
-    auto object = terrain::parseObject(text);
-    if (!object.ok()) return fail(object.error());
-    options.objects.push_back(std::move(*object));
-  }
+                                .widen_quantum = !arguments.vertical_step_m,
+                                .objects = std::move(*objects)};
   auto epochs = openEpochs(arguments, verticalOfScene(arguments, (*source)->info()));
   if (!epochs.ok()) return fail(epochs.error());
-  options.epochs = epochs->requests;
-  if (options.epochs.empty()) {
-    auto of_poses = epochsOfPoses(options.objects);
-    if (!of_poses.ok()) return fail(of_poses.error());
-    options.epochs = std::move(*of_poses);
-  }
+  options.epochs = epochs->requests.empty() ? std::move(*of_poses) : epochs->requests;
   options.epoch_blend = arguments.epoch_blend;
   std::unique_ptr<terrain::PictureSource> picture;
   if (!arguments.imagery.empty()) {

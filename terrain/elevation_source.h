@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <span>
 #include <string>
@@ -43,6 +44,22 @@ struct ElevationInfo {
   std::vector<ElevationInput> inputs{};
 };
 
+// Heights on a lattice that is fine in places, and between these as bisection draws coarser ones. Any thread.
+class SparseHeights {
+ public:
+  virtual ~SparseHeights() = default;
+  // Heights that lie 2^wholeLog2() apart are there everywhere.
+  virtual uint32_t wholeLog2() const = 0;
+  // Whether heights that lie `spacing` or less apart are there in a part of a window, which may reach beyond the
+  // lattice.
+  virtual bool isFineIn(uint32_t spacing, const proto::LatticeWindow& window) const = 0;
+  // At any position of the lattice, metres.
+  virtual double heightAt(uint32_t x, uint32_t y) const = 0;
+  // The source's inputs with their residuals against another surface on the lattice, metres.
+  virtual std::vector<ElevationInput> inputsAgainst(
+      const std::function<double(uint32_t x, uint32_t y)>& surface) const = 0;
+};
+
 class ElevationSource {
  public:
   virtual ~ElevationSource() = default;
@@ -50,6 +67,8 @@ class ElevationSource {
   // Heights in metres of `count` rows from lattice row `first` (0 is the southernmost), each `width` samples from the
   // west; kVoid where the source has no data. `out` holds count * width values.
   virtual Status readRows(uint32_t first, uint32_t count, std::span<float> out) = 0;
+  // Not null where the lattice is to be fine in places only, and would be far too large to read all of it.
+  virtual const SparseHeights* sparse() const { return nullptr; }
   // What the rows that were read make doubtful, a sentence each.
   virtual std::vector<std::string> warnings() const { return {}; }
 };

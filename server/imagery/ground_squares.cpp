@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "terrain/store/flat_squares.h"
+
 namespace foreland::server {
 
 namespace {
@@ -38,7 +40,7 @@ GroundSquares::GroundSquares(const Hierarchy& hierarchy, size_t max_squares) {
   const proto::GridShape& shape = hierarchy.grid().shape();
   while ((size_t{shape.samples_x} >> finest_log2_) * (size_t{shape.samples_y} >> finest_log2_) > max_squares)
     ++finest_log2_;
-  levels_.push_back(finest(hierarchy));
+  levels_.push_back(hierarchy.scene().isSparse() ? finestOfSparse(hierarchy.scene()) : finest(hierarchy));
   while (levels_.back().columns > 1 || levels_.back().rows > 1) levels_.push_back(coarser(levels_.back()));
 }
 
@@ -68,6 +70,32 @@ GroundSquares::Level GroundSquares::finest(const Hierarchy& hierarchy) const {
     }
     south.swap(north);
   }
+  return level;
+}
+
+// Of the squares of the lattice that are flat, which may be larger than these; heights between nodes are rounded.
+GroundSquares::Level GroundSquares::finestOfSparse(const terrain::Scene& scene) const {
+  const proto::GridShape& shape = scene.grid().shape();
+  const uint32_t last = side(0) - 1;
+  Level level{(shape.samples_x - 1 + last) >> finest_log2_, (shape.samples_y - 1 + last) >> finest_log2_, {}};
+  level.squares.assign(size_t{level.columns} * level.rows, kNothing);
+  const auto quantum_m = static_cast<float>(scene.frame().height_quantum_m);
+  terrain::FlatSquares(scene.grid(), scene.pages()).forEach([&](uint32_t x, uint32_t y, uint32_t size) {
+    const auto height = [&](uint32_t dx, uint32_t dy) {
+      return static_cast<float>(scene.height(proto::NodeId::at(x + dx, y + dy))) * quantum_m;
+    };
+    const float a = height(0, 0), b = height(size, 0), c = height(0, size), d = height(size, size);
+    const auto samples = static_cast<float>(size);
+    Square part = kNothing;
+    for (const float h : {a, b, c, d}) include(h - quantum_m, part), include(h + quantum_m, part);
+    for (const float along_x : {b - a, d - c})
+      for (const float along_y : {c - a, d - b})
+        for (const float off : {-2 * quantum_m, 2 * quantum_m})
+          includeRise((along_x + off) / samples, (along_y + off) / samples, part);
+    for (uint32_t j = y >> finest_log2_; j <= (y + size - 1) >> finest_log2_; ++j)
+      for (uint32_t i = x >> finest_log2_; i <= (x + size - 1) >> finest_log2_; ++i)
+        include(part, level.squares[size_t{j} * level.columns + i]);
+  });
   return level;
 }
 

@@ -36,6 +36,7 @@ class GroundSquares {
     std::vector<Square> squares;
   };
   Level finest(const Hierarchy& hierarchy) const;
+  Level finestOfSparse(const terrain::Scene& scene) const;
   static Level coarser(const Level& fine);
 
   uint32_t finest_log2_ = 2;

@@ -6,11 +6,12 @@ namespace foreland::server {
 
 Result<std::shared_ptr<const SceneOcclusion>> SceneOcclusion::create(const Hierarchy& hierarchy,
                                                                      std::shared_ptr<const HorizonGrid> grid) {
-  if (hierarchy.scene().isSparse())
-    return Error{ErrorCode::kUnsupported,
-                 "what ridges hide is not known of scenes with sparse levels; serve it with --occlusion off"};
   SceneOcclusion scene{BlockTops(hierarchy), std::move(grid), nullptr};
   if (!scene.grid) scene.grid = HorizonGrid::of(hierarchy);
+  if (!scene.grid && hierarchy.scene().isSparse())
+    return Error{ErrorCode::kUnsupported,
+                 "occlusion: what ridges hide is not known of scenes that are fine in places only and extend far over "
+                 "the earth; serve it with --occlusion off"};
   if (!scene.grid) {
     auto occluder = Occluder::create(hierarchy);
     if (!occluder) return occluder.error();

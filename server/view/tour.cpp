@@ -39,7 +39,9 @@ class Ground {
     middle_ = middle;
     axis_x_ = glm::dvec2(at(last_x_ / 2 + reach_x, last_y_ / 2) - middle);
     axis_y_ = glm::dvec2(at(last_x_ / 2, last_y_ / 2 + reach_y) - middle);
-    const double spacing_m = std::max(halfWidth() / reach_x, halfDepth() / reach_y);
+    // Of samples that are there everywhere: tours pass places where there are finer ones as fast as the rest.
+    const double spacing_m =
+        std::ldexp(std::max(halfWidth() / reach_x, halfDepth() / reach_y), static_cast<int>(shape.sparse_levels / 2));
     scale_ = std::min(std::max(1.0, spacing_m / kWidestSpacing_m), 2 * std::min(halfWidth(), halfDepth()) / 6000);
   }
 

@@ -170,7 +170,7 @@ Result<Layer> readLayer(TileGroup& group, const LayerPlace& place, const Lattice
     places->toLattice(positions);
   };
   // A net over curved borders misses a little of them.
-  const glm::dvec2 ring = 1.0 + 0.02 * (place.high - place.low);
+  const glm::dvec2 ring = place.spacing + 0.02 * (place.high - place.low);
   layer.low = place.low - ring, layer.high = place.high + ring;
   return layer;
 }

@@ -21,10 +21,14 @@ namespace foreland::terrain {
 
 namespace {
 
-constexpr double kAlike = 1.01;      // resolutions that differ by less are the same
-constexpr int kFinerThanInsets = 2;  // halvings beyond the finest inset's resolution that a residual may ask for
+constexpr double kAlike = 1.01;       // resolutions that differ by less are the same
+constexpr double kMostHalvings = 30;  // far more than a scene holds
+constexpr int kFinerThanInsets = 2;   // halvings beyond the finest inset's resolution that a residual may ask for
 constexpr double kFeatherSamples = 4, kFeatherShare = 8;
-constexpr uint64_t kMostOfAScene = uint64_t{1} << 32, kMostOfItsSide = 1u << 20;
+constexpr uint64_t kMostOfAScene = uint64_t{1} << 32, kMostOfASparseScene = uint64_t{1} << 37,
+                   kMostOfItsSide = 1u << 20;
+// A lattice is whole up to so many positions, or to so many for each that somebody knows something of.
+constexpr uint64_t kSmall = uint64_t{1} << 22, kPositionsForData = 4;
 constexpr uint32_t kRowsOfBase = 256;
 
 struct PlacedGroup {
@@ -35,6 +39,10 @@ struct PlacedGroup {
 
   // Whether it lies below the base: insets where they are coarser, other inputs where they are not finer.
   bool isBelow() const { return place.resolution() > (group.priority ? kAlike : 1 / kAlike); }
+  // So often the base's lattice is halved until it is as fine.
+  int ownDepth() const {
+    return static_cast<int>(std::clamp(std::ceil(-std::log2(place.resolution() * kAlike)), 0.0, kMostHalvings));
+  }
 };
 
 // The base with its place.
@@ -190,7 +198,7 @@ std::string ballparkWarning(const PlacedGroup& g, const Base& base) {
       base.lattice.name, g.group.name);
 }
 
-class LayeredSource final : public ElevationSource {
+class LayeredSource final : public ElevationSource, public SparseHeights {
  public:
   LayeredSource(LayerStack stack, std::vector<PlacedGroup> groups, ElevationInfo info,
                 std::vector<std::string> warnings)
@@ -207,10 +215,23 @@ class LayeredSource final : public ElevationSource {
   }
   std::vector<std::string> warnings() const override { return warnings_; }
 
+  const SparseHeights* sparse() const override { return is_sparse_ ? this : nullptr; }
+  uint32_t wholeLog2() const override { return static_cast<uint32_t>(depth_); }
+  bool isFineIn(uint32_t spacing, const proto::LatticeWindow& window) const override {
+    return tiles_->isFineIn(spacing, {window.x, window.y}, {window.width, window.height});
+  }
+  double heightAt(uint32_t x, uint32_t y) const override { return tiles_->heightAt({x, y}); }
+  std::vector<ElevationInput> inputsAgainst(
+      const std::function<double(uint32_t x, uint32_t y)>& surface) const override;
+
  private:
-  Status checkSize(int depth, const std::string& base_name) const;
+  glm::u64vec2 sizeAt(int depth) const;
+  bool isSparseAt(int depth, const OpenOptions& options) const;
+  std::vector<int> depthsAt(int depth, const OpenOptions& options) const;
+  Status checkSize(int depth, const OpenOptions& options, const std::string& base_name) const;
   void fillVoids();
   void refineInfo(int depth);
+  std::vector<ElevationInput> allInputs(const std::vector<LayerResidual>& residuals) const;
   void describeLayers(const OpenOptions& options);
   void warn(const std::vector<Overlap>& overlaps, const std::string& base_name);
 
@@ -219,19 +240,53 @@ class LayeredSource final : public ElevationSource {
   ElevationInfo info_;
   std::vector<std::string> warnings_;
   std::unique_ptr<RefinedTiles> tiles_;
+  std::vector<ElevationInput> of_base_;
+  int depth_ = 0;  // so often the base's lattice was halved
+  bool is_sparse_ = false;
 };
 
-Status LayeredSource::checkSize(int depth, const std::string& base_name) const {
-  const uint64_t width = (uint64_t{stack_.base.width - 1} << depth) + 1,
-                 height = (uint64_t{stack_.base.height - 1} << depth) + 1;
-  if (std::max(width, height) <= kMostOfItsSide && width * height < kMostOfAScene) return {};
+glm::u64vec2 LayeredSource::sizeAt(int depth) const {
+  return {(uint64_t{stack_.base.width - 1} << depth) + 1, (uint64_t{stack_.base.height - 1} << depth) + 1};
+}
+
+// Of a lattice that is halved so often.
+bool LayeredSource::isSparseAt(int depth, const OpenOptions& options) const {
+  if (depth == 0 || options.lattice == LatticeChoice::kWhole) return false;
+  if (options.lattice == LatticeChoice::kSparse) return true;
+  const glm::dvec2 size(sizeAt(depth));
+  const std::vector<int> depths = depthsAt(depth, options);
+  const glm::dvec2 last(stack_.base.width - 1.0, stack_.base.height - 1.0);
+  double known = (last.x + 1) * (last.y + 1);
+  for (size_t i = stack_.below; i < stack_.layers.size(); ++i) {
+    const glm::dvec2 on_base = glm::min(stack_.layers[i].high, last) - glm::max(stack_.layers[i].low, glm::dvec2(0));
+    known += std::max(on_base.x, 0.0) * std::max(on_base.y, 0.0) * std::ldexp(1.0, 2 * depths[i]);
+  }
+  return size.x * size.y > std::max(kSmall, kPositionsForData * static_cast<uint64_t>(known));
+}
+
+// So many halvings each layer takes.
+std::vector<int> LayeredSource::depthsAt(int depth, const OpenOptions& options) const {
+  std::vector<int> depths;
+  for (const PlacedGroup& g : groups_)
+    depths.push_back(std::min(depth, g.isBelow() ? 0 : g.ownDepth() + (options.residual_m ? kFinerThanInsets : 0)));
+  return depths;
+}
+
+Status LayeredSource::checkSize(int depth, const OpenOptions& options, const std::string& base_name) const {
+  const glm::u64vec2 size = sizeAt(depth);
+  const bool is_sparse = isSparseAt(depth, options);
+  const uint64_t most = is_sparse ? kMostOfASparseScene : kMostOfAScene;
+  if (std::max(size.x, size.y) <= kMostOfItsSide && size.x * size.y < most) return {};
   const auto finest = std::ranges::min_element(
       groups_, {}, [](const PlacedGroup& g) { return g.isBelow() ? 1e300 : g.place.resolution(); });
-  return Error{ErrorCode::kLimit,
-               fmt::format("{} and {}: at the resolution of the second the first has {} x {} samples; a scene holds at "
-                           "most 2^20 a side and 2^32 in all. Cut out the surroundings of the second with "
-                           "gdal_translate -projwin, or allow a larger --residual",
-                           base_name, finest->group.name, width, height)};
+  return Error{
+      ErrorCode::kLimit,
+      fmt::format("{} and {}: at the resolution of the second the first has {} x {} samples; a scene {} at "
+                  "most 2^20 a side and 2^{} in all. Cut out the surroundings of the second with "
+                  "gdal_translate -projwin, or allow a larger --residual",
+                  base_name, finest->group.name, size.x, size.y,
+                  is_sparse || options.lattice == LatticeChoice::kAuto ? "holds" : "that changes in time holds",
+                  is_sparse ? 37 : 32)};
 }
 
 void LayeredSource::fillVoids() {
@@ -243,29 +298,35 @@ void LayeredSource::fillVoids() {
 }
 
 Status LayeredSource::refine(const OpenOptions& options, const std::string& base_name) {
-  double finest = 1;
+  int own = 0;
   for (const PlacedGroup& g : groups_)
-    if (!g.isBelow()) finest = std::min(finest, g.place.resolution());
-  const int own = std::max(0, static_cast<int>(std::ceil(-std::log2(finest * kAlike))));
+    if (!g.isBelow()) own = std::max(own, g.ownDepth());
   const int most = options.residual_m ? own + kFinerThanInsets : own;
   const double bound_m = options.residual_m.value_or(0);
   std::vector<Overlap> overlaps;
-  int depth = options.residual_m ? 0 : own;
-  for (;; ++depth) {
-    if (Status s = checkSize(depth, base_name); !s.ok()) {
-      if (depth <= own) return s;
-      --depth;  // which holds
+  for (depth_ = options.residual_m ? 0 : own;; ++depth_) {
+    if (Status s = checkSize(depth_, options, base_name); !s.ok()) {
+      if (depth_ <= own) return s;
+      --depth_;  // which holds
       break;
     }
-    if (depth > 0 && stack_.bottom.metres.empty()) fillVoids();
+    if (depth_ > 0 && stack_.bottom.metres.empty()) fillVoids();
     overlaps.assign(stack_.layers.size(), {});
-    tiles_ = std::make_unique<RefinedTiles>(stack_, depth, bound_m, overlaps);
-    if (depth == most || std::ranges::all_of(tiles_->residuals(), [&](const LayerResidual& r) {
+    is_sparse_ = isSparseAt(depth_, options);
+    tiles_ = std::make_unique<RefinedTiles>(
+        stack_,
+        RefinedTiles::Options{
+            .depth = depth_,
+            .depths = is_sparse_ ? depthsAt(depth_, options) : std::vector<int>(stack_.layers.size(), depth_),
+            .residual_m = bound_m,
+            .is_sparse = is_sparse_},
+        overlaps);
+    if (depth_ == most || std::ranges::all_of(tiles_->residuals(), [&](const LayerResidual& r) {
           return r.largest_m.value_or(0) <= bound_m;
         }))
       break;
   }
-  refineInfo(depth);
+  refineInfo(depth_);
   describeLayers(options);
   warn(overlaps, base_name);
   return {};
@@ -294,14 +355,30 @@ void LayeredSource::refineInfo(int depth) {
   for (PlacedGroup& g : groups_) refine(g.inputs);
 }
 
-// The uppermost input comes first.
-void LayeredSource::describeLayers(const OpenOptions& options) {
+// The uppermost comes first.
+std::vector<ElevationInput> LayeredSource::allInputs(const std::vector<LayerResidual>& residuals) const {
   std::vector<ElevationInput> inputs;
   for (size_t i = groups_.size(); i-- > 0;) {
-    PlacedGroup& g = groups_[i];
+    if (i + 1 == stack_.below) inputs.insert(inputs.end(), of_base_.begin(), of_base_.end());
+    for (ElevationInput input : groups_[i].inputs) {
+      input.residual_m = residuals[i].largest_m.value_or(input.residual_m);
+      inputs.push_back(std::move(input));
+    }
+  }
+  if (stack_.below == 0) inputs.insert(inputs.end(), of_base_.begin(), of_base_.end());
+  return inputs;
+}
+
+std::vector<ElevationInput> LayeredSource::inputsAgainst(
+    const std::function<double(uint32_t x, uint32_t y)>& surface) const {
+  return allInputs(tiles_->residualsAgainst([&](glm::uvec2 at) { return surface(at.x, at.y); }));
+}
+
+void LayeredSource::describeLayers(const OpenOptions& options) {
+  for (size_t i = groups_.size(); i-- > 0;) {
+    const PlacedGroup& g = groups_[i];
     const LayerResidual& residual = tiles_->residuals()[i];
     const std::string name = std::filesystem::path(g.group.name).filename().string();
-    for (ElevationInput& input : g.inputs) input.residual_m = residual.largest_m.value_or(input.residual_m);
     info_.notes.push_back(
         name +
         (g.isBelow() ? ": it is not finer than the base, so it shows only where that has no data"
@@ -317,11 +394,9 @@ void LayeredSource::describeLayers(const OpenOptions& options) {
           "{}: the scene is up to {:.3g} m off its samples, more than the {:g} m that were asked for; a finer "
           "lattice would be more than {} times as fine as they are",
           name, *residual.largest_m, *options.residual_m, 1 << kFinerThanInsets));
-    if (i + 1 == stack_.below) inputs.insert(inputs.end(), info_.inputs.begin(), info_.inputs.end());
-    inputs.insert(inputs.end(), g.inputs.begin(), g.inputs.end());
   }
-  if (stack_.below == 0) inputs.insert(inputs.end(), info_.inputs.begin(), info_.inputs.end());
-  info_.inputs = std::move(inputs);
+  of_base_ = std::move(info_.inputs);
+  info_.inputs = allInputs(tiles_->residuals());
 }
 
 void LayeredSource::warn(const std::vector<Overlap>& overlaps, const std::string& base_name) {

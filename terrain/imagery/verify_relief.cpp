@@ -39,7 +39,8 @@ class ReliefCheck {
         tiles_(scene.tiles()),
         layer_(tiles_.layers()[layer]),
         faults_(faults),
-        positions_(scene.frame(), scene.grid().maxX(), scene.grid().maxY()) {}
+        positions_(scene.frame(), scene.grid().maxX(), scene.grid().maxY()),
+        rounding_m_(scene.isSparse() ? scene.frame().height_quantum_m : 0) {}
 
   struct Scratch {
     std::vector<int32_t> steps = std::vector<int32_t>(proto::kTileTexels), finer = steps;
@@ -70,7 +71,8 @@ class ReliefCheck {
   double step(uint32_t level) const { return layer_.step_m * static_cast<double>(uint64_t{1} << level); }
 
   bool isOfSamples(const TileId& tile, const proto::TileBounds& bounds, const Scratch& scratch) const {
-    const double max_m = layer_.step_m * (0.5 + kStepRounding), quantum_m = scene_.frame().height_quantum_m;
+    const double max_m = layer_.step_m * (0.5 + kStepRounding) + rounding_m_,
+                 quantum_m = scene_.frame().height_quantum_m;
     size_t i = 0;
     for (uint32_t y = 0; y < kTileSide; ++y)
       for (uint32_t x = 0; x < kTileSide; ++x, ++i) {
@@ -105,7 +107,7 @@ class ReliefCheck {
     const uint32_t width = layer_.widthAt(child.level), height = layer_.heightAt(child.level);
     const uint32_t left = child.x % 2 ? kTileSide / 2 - kTileGutter / 2 : kTileGutter / 2,
                    below = child.y % 2 ? kTileSide / 2 - kTileGutter / 2 : kTileGutter / 2;
-    const double max_m = (0.5 + kStepRounding) * (step(child.level) + step(child.level + 1u));
+    const double max_m = (0.5 + kStepRounding) * (step(child.level) + step(child.level + 1u)) + rounding_m_;
     for (uint32_t y = 0; y < kTileSide / 2; ++y)
       for (uint32_t x = 0; x < kTileSide / 2; ++x) {
         const int64_t east = unclamped(child.x, 2 * x + 1), north = unclamped(child.y, 2 * y + 1);
@@ -162,6 +164,7 @@ class ReliefCheck {
   const proto::TileLayer& layer_;
   Faults& faults_;
   proto::FrameGrid positions_;
+  double rounding_m_;  // of heights between nodes of a sparse scene, which tiles take as they are
 };
 
 bool fits(const Scene& scene, const proto::TileLayer& layer) {

@@ -10,6 +10,8 @@
 #include "terrain/bounds/bounds.h"
 #include "terrain/dem/voids/voids.h"
 #include "terrain/imagery/relief.h"
+#include "terrain/pipeline/scene_parts.h"
+#include "terrain/pipeline/sparse_source.h"
 #include "terrain/store/bilinear.h"
 #include "terrain/store/scene_writer.h"
 
@@ -18,8 +20,6 @@ namespace foreland::terrain {
 namespace {
 
 constexpr uint64_t kWindowSamples = 1u << 22;
-
-Error stopped() { return {ErrorCode::kIo, "stopped before the scene was complete; nothing was written"}; }
 
 // The heights of all samples, first in metres and then in quanta, in the same four bytes each: a raster of 16385 x
 // 16385 fits in memory once.
@@ -187,10 +187,7 @@ Result<ImageryReport> makeImagery(const Terrain& terrain, const BuildOptions& op
   auto report = addImagery(*options.picture, boundsOver(terrain), how, stage(progress, "imagery"), section);
   if (!report) return report;
   if (!report->is_complete) return stopped();
-  for (const std::string& note : options.picture->info().notes) origin.notes.push_back(note);
-  if (report->covered < 1)
-    origin.notes.push_back("pictures cover " + std::to_string(static_cast<int>(report->covered * 100)) +
-                           " % of the scene; the rest fades from what is nearest to it");
+  describePicture(*options.picture, *report, origin);
   return report;
 }
 
@@ -255,19 +252,6 @@ std::optional<double> groundAt(const Heights& heights, const proto::Frame& frame
   return bilinear(heights.width, heights.height, x, y, at) * frame.height_quantum_m;
 }
 
-// Samples that stayed where they were differ by rounding alone; that comes to what others differ by.
-SceneDatum datumOf(const ElevationInfo& info, double height_quantum_m) {
-  SceneDatum datum{info.vertical, {}};
-  for (const ElevationInput& input : info.inputs)
-    datum.inputs.push_back({.name = input.name,
-                            .vertical = input.vertical,
-                            .window = input.window,
-                            .may_have_voids = input.may_have_voids,
-                            .residual_m = (input.is_on_lattice ? 0 : input.residual_m) + 0.5 * height_quantum_m,
-                            .feather_m = input.feather_m});
-  return datum;
-}
-
 Status checkOptions(const BuildOptions& options) {
   if (!(options.height_quantum_m > 0) || !std::isfinite(options.height_quantum_m))
     return Error{ErrorCode::kInvalidArgument, "the vertical step must be a positive number of metres"};
@@ -280,6 +264,7 @@ Status checkOptions(const BuildOptions& options) {
 
 Result<BuildReport> buildScene(ElevationSource& source, const BuildOptions& options, const Progress& progress) {
   if (Status status = checkOptions(options); !status.ok()) return status.error();
+  if (source.sparse() != nullptr) return buildSparseScene(source, options, progress);
   const ElevationInfo& info = source.info();
   const auto grid = gridFor(info);
   if (!grid.ok()) return grid.error();
@@ -333,7 +318,7 @@ Result<BuildReport> buildScene(ElevationSource& source, const BuildOptions& opti
                                                      .objects = std::move(*objects),
                                                      .epochs = layers ? layers->section() : Bytes{},
                                                      .epoch_blend = options.epoch_blend,
-                                                     .datum = datumOf(info, height_quantum_m),
+                                                     .datum = datumOf(info.vertical, info.inputs, height_quantum_m),
                                                      .tiles = &*tiles});
   if (!writer.ok()) return writer.error();
   fillBase(grid->shape(), heights, *writer);

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "terrain/bounds/sparse_bounds.h"
-#include "terrain/store/scene_writer.h"
+#include "terrain/pipeline/scene_parts.h"
 
 namespace foreland::terrain {
 
@@ -135,15 +135,18 @@ Result<BuildReport> buildSparseScene(const SparseGround& ground, const SparseOpt
                             .records = records,
                             .threads = options.threads,
                             .onProgress = onProgress}))
-    return Error{ErrorCode::kIo, "stopped before the scene was complete; nothing was written"};
+    return stopped();
   const Found found = find(grid, *pages, base, records);
+  SceneWriter::About about{.shape = grid.shape(),
+                           .frame = ground.frame,
+                           .heights = found.range,
+                           .origin = options.origin,
+                           .datum = options.datum,
+                           .pages = blocks};
+  if (Status s = options.complete({grid, *pages, records, {base.corners, base.centres}}, about); !s.ok())
+    return s.error();
   progress.report("writing", 0);
-  auto writer = SceneWriter::create(options.output, {.shape = grid.shape(),
-                                                     .frame = ground.frame,
-                                                     .heights = found.range,
-                                                     .origin = options.origin,
-                                                     .datum = options.datum,
-                                                     .pages = blocks});
+  auto writer = SceneWriter::create(options.output, about);
   if (!writer.ok()) return writer.error();
   std::ranges::copy(base.corners, writer->corners().begin());
   std::ranges::copy(base.centres, writer->centres().begin());
@@ -155,8 +158,8 @@ Result<BuildReport> buildSparseScene(const SparseGround& ground, const SparseOpt
   return BuildReport{.width = shape.samples_x,
                      .height = shape.samples_y,
                      .samples = found.nodes + base.corners.size() + base.centres.size(),
-                     .voids_filled = options.origin.voids_filled,
-                     .notes = options.origin.notes,
+                     .voids_filled = about.origin.voids_filled,
+                     .notes = about.origin.notes,
                      .height_quantum_m = ground.frame.height_quantum_m,
                      .levels = grid.maxLevel(),
                      .nodes = found.nodes,

@@ -1,7 +1,7 @@
 // A scene file of ground that is fine in places (proto/section/page_directory.h): coarse levels everywhere, deep pages
 // where somebody says that there is something to see. The file appears whole or not at all.
 //
-// Such a scene has no epochs, no objects and no tiles yet. One caller; uses threads of its own while it runs. Time and
+// Such a scene has no epochs yet. One caller; uses threads of its own while it runs. Time and
 // memory are those of the nodes that are there: 8 bytes each, and 8 bytes a sample along each axis.
 #pragma once
 
@@ -14,6 +14,8 @@
 #include "proto/section/page_directory.h"
 #include "terrain/pipeline/build.h"
 #include "terrain/store/scene.h"
+#include "terrain/store/scene_writer.h"
+#include "terrain/store/stored_heights.h"
 
 namespace foreland::terrain {
 
@@ -44,6 +46,10 @@ struct SparseOptions {
   unsigned threads = 0;  // 0: one per processor
   SceneOrigin origin{};
   SceneDatum datum{};
+  // Called once, when the ground is known and nothing is written yet: adds to the file what follows from the ground.
+  // Of what it is given it may change origin, datum, objects and tiles, which must live until the scene is written.
+  std::function<Status(const StoredHeights& ground, SceneWriter::About& about)> complete =
+      [](const StoredHeights&, SceneWriter::About&) { return Status(); };
 };
 
 [[nodiscard]] Result<BuildReport> buildSparseScene(const SparseGround& ground, const SparseOptions& options,

@@ -1,5 +1,6 @@
 // A ray caster of all that a scene file holds. The terrain is a quad a cell, turned such that its diagonal is that of
-// the finest section's two triangles; objects are instances of their models.
+// the finest section's two triangles, or a quad a flat square (flat_squares.h) where it is fine in places only; objects
+// are instances of their models.
 #include <algorithm>
 #include <glm/common.hpp>
 #include <glm/gtc/quaternion.hpp>
@@ -10,6 +11,7 @@
 #include "proto/topology/mesh_triangles.h"
 #include "terrain/objects/placed_objects.h"
 #include "terrain/render/triangle_source.h"
+#include "terrain/store/flat_squares.h"
 
 namespace foreland::terrain {
 
@@ -17,15 +19,15 @@ namespace {
 
 using proto::NodeId;
 
-constexpr uint64_t kMaxSamples = 1u << 28;
+constexpr uint64_t kMaxSamples = 1u << 28, kMaxSquares = 1u << 25;
 
-// The corners of a cell such that its triangles are (0, 1, 3) and (2, 3, 1), counter-clockwise seen from above. The
-// diagonal joins the corner whose coordinates are both even with the one where both are odd: it is the edge from the
-// centre of a square of 2 x 2 cells to the square's corner.
-std::array<NodeId, 4> cornersOf(uint32_t x, uint32_t y) {
-  const NodeId sw = NodeId::at(x, y), se = NodeId::at(x + 1, y), ne = NodeId::at(x + 1, y + 1),
-               nw = NodeId::at(x, y + 1);
-  return (x + y) % 2 == 0 ? std::array{nw, sw, se, ne} : std::array{sw, se, ne, nw};
+// The corners of a cell, or of a square that has a corner at multiples of its side, such that its triangles are (0, 1,
+// 3) and (2, 3, 1), counter-clockwise seen from above. The diagonal joins the corner whose coordinates are both even
+// with the one where both are odd: it is the edge from the centre of a square of 2 x 2 cells to the square's corner.
+std::array<NodeId, 4> cornersOf(uint32_t x, uint32_t y, uint32_t side = 1) {
+  const NodeId sw = NodeId::at(x, y), se = NodeId::at(x + side, y), ne = NodeId::at(x + side, y + side),
+               nw = NodeId::at(x, y + side);
+  return (x / side + y / side) % 2 == 0 ? std::array{nw, sw, se, ne} : std::array{sw, se, ne, nw};
 }
 
 class FullTerrain {
@@ -35,11 +37,19 @@ class FullTerrain {
         ground_(ground),
         columns_(scene_->grid().shape().samples_x),
         rows_(scene_->grid().shape().samples_y),
-        frame_(scene_->frame(), columns_ - 1, rows_ - 1) {}
+        frame_(scene_->frame(), columns_ - 1, rows_ - 1) {
+    if (scene_->isSparse())
+      FlatSquares(scene_->grid(), scene_->pages()).forEach([&](uint32_t x, uint32_t y, uint32_t side) {
+        if (squares_.size() <= kMaxSquares) squares_.push_back({x, y, side});
+      });
+  }
 
+  // Whether it is more than is cast rays at.
+  bool isTooLarge() const { return squares_.size() > kMaxSquares; }
   glm::dvec3 middle() const { return position(NodeId::at(columns_ / 2, rows_ / 2)); }
 
   void addTo(EmbreeScene& embree, const glm::dvec3& origin) const {
+    if (!squares_.empty()) return addSquaresTo(embree, origin);
     const size_t cells = size_t{columns_ - 1} * (rows_ - 1);
     embree.addQuads(size_t{columns_} * rows_, cells, [&](std::span<glm::vec3> vertices, std::span<glm::uvec4> quads) {
       for (uint32_t y = 0, i = 0; y < rows_; ++y)
@@ -51,12 +61,33 @@ class FullTerrain {
   }
 
   std::array<TriangleCorner, 3> corners(const EmbreeHit& hit) const {
-    const std::array<NodeId, 4> cell = cornersOf(hit.primitive % (columns_ - 1), hit.primitive / (columns_ - 1));
+    const std::array<NodeId, 4> cell = cellOf(hit.primitive);
     if (hit.is_second) return {corner(cell[2]), corner(cell[3]), corner(cell[1])};
     return {corner(cell[0]), corner(cell[1]), corner(cell[3])};
   }
 
  private:
+  struct Square {
+    uint32_t x, y, side;
+  };
+
+  std::array<NodeId, 4> cellOf(uint32_t primitive) const {
+    if (squares_.empty()) return cornersOf(primitive % (columns_ - 1), primitive / (columns_ - 1));
+    const Square& s = squares_[primitive];
+    return cornersOf(s.x, s.y, s.side);
+  }
+  void addSquaresTo(EmbreeScene& embree, const glm::dvec3& origin) const {
+    embree.addQuads(4 * squares_.size(), squares_.size(),
+                    [&](std::span<glm::vec3> vertices, std::span<glm::uvec4> quads) {
+                      for (uint32_t i = 0; i < squares_.size(); ++i) {
+                        const std::array<NodeId, 4> corners = cellOf(i);
+                        for (uint32_t k = 0; k < 4; ++k) {
+                          vertices[4 * size_t{i} + k] = glm::vec3(position(corners[k]) - origin);
+                          quads[i][static_cast<int>(k)] = 4 * i + k;
+                        }
+                      }
+                    });
+  }
   uint32_t number(NodeId v) const { return v.y() * columns_ + v.x(); }
   // Quanta.
   double height(NodeId v) const {
@@ -77,6 +108,7 @@ class FullTerrain {
   proto::EpochWeights ground_;
   uint32_t columns_, rows_;
   proto::FrameGrid frame_;
+  std::vector<Square> squares_;  // of scenes that are fine in places only
 };
 
 // A model's every triangle, in its own frame, mixed from its poses. Vertices are numbered base vertices first, then
@@ -157,6 +189,7 @@ class FullTriangles final : public TriangleSource {
   }
 
   glm::dvec3 middle() const { return terrain_.middle(); }
+  bool isTooLarge() const { return terrain_.isTooLarge(); }
 
   Status addTo(EmbreeScene& embree, const glm::dvec3& origin) {
     terrain_.addTo(embree, origin);
@@ -198,7 +231,7 @@ class FullTriangles final : public TriangleSource {
 
 Result<RayCaster> RayCaster::ofScene(std::shared_ptr<const Scene> scene, Time scene_time) {
   const proto::GridShape& shape = scene->grid().shape();
-  if (uint64_t{shape.samples_x} * shape.samples_y > kMaxSamples)
+  if (!scene->isSparse() && uint64_t{shape.samples_x} * shape.samples_y > kMaxSamples)
     return Error{ErrorCode::kLimit, "ray casting: the scene has " + std::to_string(shape.samples_x) + " x " +
                                         std::to_string(shape.samples_y) + " samples, 2^28 are the most"};
   Result<PlacedObjects> objects = readObjects(scene);
@@ -206,6 +239,8 @@ Result<RayCaster> RayCaster::ofScene(std::shared_ptr<const Scene> scene, Time sc
   const proto::Epochs& epochs = scene->epochs().epochs();
   const proto::EpochWeights ground = epochs.empty() ? proto::EpochWeights{} : epochs.weightsAt(scene_time);
   auto triangles = std::make_unique<FullTriangles>(std::move(scene), ground, std::move(*objects));
+  if (triangles->isTooLarge())
+    return Error{ErrorCode::kLimit, "ray casting: the scene has more than 2^25 squares of ground, which are the most"};
   auto impl = std::make_unique<Impl>();
   impl->origin = glm::round(triangles->middle());
   if (Status s = triangles->addTo(impl->embree, impl->origin); !s.ok()) return s.error();

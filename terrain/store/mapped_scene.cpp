@@ -33,8 +33,8 @@ Status MappedScene::readPages() {
   const SectionRange& at = header_.pages;
   if ((header_.version > FileHeader::kWholeVersion) != (header_.sparse_levels > 0))
     return malformed("its version does not go with its sparse levels");
-  if (header_.sparse_levels > 0 && (header_.epochs.bytes > 0 || header_.tiles.bytes > 0))
-    return malformed("it has sparse levels with epochs or tiles, which this version cannot read");
+  if (header_.sparse_levels > 0 && header_.epochs.bytes > 0)
+    return malformed("it has sparse levels with epochs, which this version cannot read");
   if (at.bytes == 0) return adoptPages({});
   if (header_.sparse_levels == 0 || at.bytes % sizeof(proto::PageBlock) != 0)
     return malformed("its directory of pages has a wrong size");

@@ -84,10 +84,6 @@ class Scene {
   // finest nodes around that are there, and the height is its nearest whole number of quanta there.
   int32_t height(proto::NodeId v) const;
 
- private:
-  int32_t baseHeight(proto::NodeId v) const;
-  int32_t interpolated(proto::NodeId v) const;
-
  protected:
   Scene(proto::GridTopology grid, proto::Frame frame)
       : grid_(std::move(grid)), frame_(std::move(frame)), spheres_(grid_, frame_), directory_(grid_) {}

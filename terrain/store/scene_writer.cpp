@@ -23,9 +23,8 @@ Result<SceneWriter> SceneWriter::create(const std::filesystem::path& target, con
   if (Status frame = about.frame.validate(grid->maxX(), grid->maxY()); !frame.ok()) return frame.error();
   auto directory = proto::PageDirectory::create(*grid, about.pages);
   if (!directory.ok()) return directory.error();
-  if (about.shape.sparse_levels > 0 && (!about.epochs.empty() || about.tiles))
-    return Error{ErrorCode::kUnsupported,
-                 target.string() + ": a scene with sparse levels can have neither epochs nor tiles yet"};
+  if (about.shape.sparse_levels > 0 && !about.epochs.empty())
+    return Error{ErrorCode::kUnsupported, target.string() + ": a scene with sparse levels can have no epochs yet"};
   const Bytes text = encodeText(about.origin);
   if (text.size() > kMaxTextBytes)
     return Error{ErrorCode::kLimit, target.string() + ": more than 16 MiB of names and notes"};

@@ -13,10 +13,10 @@ namespace foreland::test {
 
 class HeightField {
  public:
-  explicit HeightField(const server::Hierarchy& hierarchy) : hierarchy_(hierarchy), table_(hierarchy.table()) {}
+  explicit HeightField(const server::Hierarchy& hierarchy) : hierarchy_(hierarchy) {}
   // At a scene time: `shares` of the ground at each epoch.
   HeightField(const server::Hierarchy& hierarchy, std::vector<double> shares)
-      : hierarchy_(hierarchy), table_(hierarchy.table()), shares_(std::move(shares)) {}
+      : hierarchy_(hierarchy), shares_(std::move(shares)) {}
 
   // Metres at a lattice position inside the data: squares of two samples are cut into eight triangles about their
   // middles.
@@ -55,14 +55,13 @@ class HeightField {
  private:
   double sample(uint32_t x, uint32_t y) const {
     const proto::NodeId v = proto::NodeId::at(x, y);
-    double quanta = table_.height(v);
+    double quanta = hierarchy_.scene().height(v);
     for (uint32_t epoch = 0; epoch < shares_.size(); ++epoch)
       if (shares_[epoch] != 0) quanta += shares_[epoch] * hierarchy_.epochs().offset(epoch, hierarchy_.grid(), v);
     return quanta * hierarchy_.frame().transform().frame().height_quantum_m;
   }
 
   const server::Hierarchy& hierarchy_;
-  proto::DenseNodes table_;
   std::vector<double> shares_;
 };
 

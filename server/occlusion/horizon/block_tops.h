@@ -45,6 +45,9 @@ class BlockTops {
     uint32_t columns, rows;
     std::vector<Square> squares;
   };
+  static constexpr size_t kMostOfSparse = 2u << 20;  // squares, where ground is fine in places only
+  void addSparse(const terrain::Scene& scene, size_t max_squares);
+
   uint32_t finest_ = 0;
   std::vector<Level> levels_;
 };

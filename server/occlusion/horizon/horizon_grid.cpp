@@ -11,14 +11,16 @@
 
 #include "base/check.h"
 #include "server/section/height_bounds.h"
+#include "terrain/store/flat_squares.h"
 
 namespace foreland::server {
 
 namespace {
 
-constexpr uint32_t kFewestVertices = 17;  // along the shorter side, of a level
-constexpr double kMaxBend = 0.6;          // of a square of the size over the radius: an eighth of it upward, and that
-                                          // times the tangent of the latitude sideways, 3.7 at most
+constexpr size_t kMostOfSparse = 2u << 20;  // vertices, where ground is fine in places only: each is looked up
+constexpr uint32_t kFewestVertices = 17;    // along the shorter side, of a level
+constexpr double kMaxBend = 0.6;            // of a square of the size over the radius: an eighth of it upward, and that
+                                            // times the tangent of the latitude sideways, 3.7 at most
 
 class Samples {
  public:
@@ -94,6 +96,55 @@ std::vector<LevelHeights> heightsOf(const Samples& samples, uint32_t stride) {
   return levels;
 }
 
+// The same of ground that is fine in places. Between the corners of its flat squares it is straight along the lattice's
+// lines, so only these can lie below the line between two vertices. Heights between nodes are rounded: all are lowered
+// by a quantum.
+std::vector<LevelHeights> heightsOf(const terrain::Scene& scene, uint32_t stride) {
+  const proto::GridShape& shape = scene.grid().shape();
+  const double quantum_m = scene.frame().height_quantum_m;
+  const auto metres = [&](uint32_t x, uint32_t y) {
+    return static_cast<float>(scene.height(proto::NodeId::at(x, y)) * quantum_m);
+  };
+  struct Level {
+    uint32_t stride, columns, rows;
+    std::vector<float> heights, excess;
+  };
+  std::vector<Level> levels;
+  for (; (std::min(shape.samples_x, shape.samples_y) - 1) / stride + 1 >= kFewestVertices || levels.empty();
+       stride *= 2) {
+    Level level{stride, (shape.samples_x - 1) / stride + 1, (shape.samples_y - 1) / stride + 1, {}, {}};
+    for (uint32_t j = 0; j < level.rows; ++j)
+      for (uint32_t i = 0; i < level.columns; ++i) level.heights.push_back(metres(i * stride, j * stride));
+    level.excess.resize(level.heights.size());
+    levels.push_back(std::move(level));
+  }
+  const auto lower = [](Level& level, size_t first, size_t second, uint32_t along, float height) {
+    const float a = level.heights[first], b = level.heights[second],
+                line = a + (b - a) * static_cast<float>(along) / static_cast<float>(level.stride);
+    for (const size_t v : {first, second}) level.excess[v] = std::max(level.excess[v], line - height);
+  };
+  terrain::FlatSquares(scene.grid(), scene.pages()).forEach([&](uint32_t x, uint32_t y, uint32_t side) {
+    for (uint32_t k = 0; k < 4; ++k) {
+      const uint32_t at_x = x + side * (k % 2), at_y = y + side * (k / 2);
+      const float height = metres(at_x, at_y);
+      for (Level& level : levels) {
+        const uint32_t i = at_x / level.stride, j = at_y / level.stride, u = at_x % level.stride,
+                       v = at_y % level.stride;
+        const size_t at = size_t{j} * level.columns + i;
+        if (v == 0 && u > 0 && i + 1 < level.columns && j < level.rows) lower(level, at, at + 1, u, height);
+        if (u == 0 && v > 0 && j + 1 < level.rows && i < level.columns) lower(level, at, at + level.columns, v, height);
+      }
+    }
+  });
+  std::vector<LevelHeights> out;
+  for (Level& level : levels) {
+    for (size_t v = 0; v < level.heights.size(); ++v)
+      level.heights[v] -= level.excess[v] + static_cast<float>(quantum_m);
+    out.push_back({level.columns, level.rows, std::move(level.heights)});
+  }
+  return out;
+}
+
 HorizonGrid::Steps stepsOf(const std::vector<LevelHeights>& levels) {
   constexpr double kMax = std::numeric_limits<uint16_t>::max();
   float least = std::numeric_limits<float>::infinity(), most = -least;
@@ -120,8 +171,7 @@ HorizonGrid::Level levelOf(const LevelHeights& of, const HorizonGrid::Steps& ste
   return level;
 }
 
-std::pair<HorizonGrid::Steps, std::vector<HorizonGrid::Level>> levelsOf(const Samples& samples, uint32_t stride) {
-  const std::vector<LevelHeights> heights = heightsOf(samples, stride);
+std::pair<HorizonGrid::Steps, std::vector<HorizonGrid::Level>> levelsOf(const std::vector<LevelHeights>& heights) {
   const HorizonGrid::Steps steps = stepsOf(heights);
   std::vector<HorizonGrid::Level> levels;
   for (const LevelHeights& level : heights) levels.push_back(levelOf(level, steps));
@@ -140,8 +190,11 @@ HorizonGrid::HorizonGrid(const Hierarchy& hierarchy, size_t max_vertices) {
   CHECK_TRUE(supports(hierarchy));
   const proto::Frame& frame = hierarchy.frame().transform().frame();
   const proto::GridShape& shape = hierarchy.grid().shape();
+  const terrain::Scene& scene = hierarchy.scene();
+  if (scene.isSparse()) max_vertices = std::min(max_vertices, kMostOfSparse);
   while (size_t{shape.samples_x / stride_} * (shape.samples_y / stride_) > max_vertices) stride_ *= 2;
-  std::tie(steps_, levels_) = levelsOf(Samples(hierarchy), stride_);
+  std::tie(steps_, levels_) =
+      levelsOf(scene.isSparse() ? heightsOf(scene, stride_) : heightsOf(Samples(hierarchy), stride_));
   const glm::dmat2 to_scene(frame.axis_x_m, frame.axis_y_m);
   setAxes(to_scene * static_cast<double>(stride_), -(to_scene * frame.anchor));
   quantum_m_ = frame.height_quantum_m;
@@ -150,7 +203,7 @@ HorizonGrid::HorizonGrid(const Hierarchy& hierarchy, size_t max_vertices) {
 
 HorizonGrid::HorizonGrid(const Hierarchy& hierarchy, const TangentHeights& heights)
     : geographic_(hierarchy.frame().transform()) {
-  std::tie(steps_, levels_) = levelsOf(Samples(heights), 1);
+  std::tie(steps_, levels_) = levelsOf(heightsOf(Samples(heights), 1));
   setAxes(glm::dmat2(heights.spacing_m), heights.low_m);
   quantum_m_ = geographic_->frame().height_quantum_m;
   highest_m_ = *std::max_element(heights.heights_m.begin(), heights.heights_m.end());
@@ -158,6 +211,7 @@ HorizonGrid::HorizonGrid(const Hierarchy& hierarchy, const TangentHeights& heigh
 
 std::shared_ptr<const HorizonGrid> HorizonGrid::of(const Hierarchy& hierarchy, size_t max_vertices) {
   if (supports(hierarchy)) return std::make_shared<const HorizonGrid>(hierarchy, max_vertices);
+  if (hierarchy.scene().isSparse()) max_vertices = std::min(max_vertices, 2 * kMostOfSparse);
   const auto heights = tangentHeights(hierarchy, max_vertices / 2);  // finer than the samples: half as many do
   return heights ? std::shared_ptr<const HorizonGrid>(new HorizonGrid(hierarchy, *heights)) : nullptr;
 }

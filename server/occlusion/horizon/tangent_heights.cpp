@@ -9,6 +9,7 @@
 
 #include "proto/space/geographic_tables.h"
 #include "server/section/height_bounds.h"
+#include "terrain/store/flat_squares.h"
 
 namespace foreland::server {
 
@@ -27,17 +28,21 @@ class Ground {
   explicit Ground(const Hierarchy& hierarchy)
       : columns(hierarchy.grid().shape().samples_x),
         rows(hierarchy.grid().shape().samples_y),
+        scene_(hierarchy.scene()),
         bounds_(hierarchy),
         transform_(hierarchy.frame().transform()),
         tables_(transform_, columns - 1, rows - 1) {}
   glm::dvec3 at(uint32_t x, uint32_t y) const {
-    return transform_.fromTables(tables_.rows[y], tables_.columns[x],
-                                 bounds_.lowest(proto::NodeId::at(x, y)) * transform_.frame().height_quantum_m);
+    const proto::NodeId v = proto::NodeId::at(x, y);
+    // Between nodes heights are rounded.
+    const int32_t lowest = scene_.isSparse() ? scene_.height(v) - 1 : bounds_.lowest(v);
+    return transform_.fromTables(tables_.rows[y], tables_.columns[x], lowest * transform_.frame().height_quantum_m);
   }
 
   const uint32_t columns, rows;
 
  private:
+  const terrain::Scene& scene_;
   HeightBounds bounds_;
   proto::FrameTransform transform_;
   proto::GeographicTables tables_;
@@ -73,6 +78,7 @@ class Cells {
         columns_(lattice.columns - 1),
         rows_(lattice.rows - 1),
         lowest_(size_t{columns_} * rows_, std::numeric_limits<float>::infinity()) {}
+  double spacing() const { return lattice_.spacing_m; }
 
   // Within a triangle's corners, and above its plane.
   void include(const Corners& corners) {
@@ -124,6 +130,44 @@ class Cells {
   std::vector<float> lowest_;
 };
 
+// Of coarser cells planes say little more than corners, which take less than half the time.
+bool isByPlanes(double spacing_m, const glm::dvec2& cell) { return spacing_m < kCoarse * std::max(cell.x, cell.y); }
+
+// The ground over a square with these corners, cut by either diagonal.
+void includeSquare(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c, const glm::dvec3& d, bool by_planes,
+                   Cells& cells) {
+  if (!by_planes)
+    return cells.include(glm::min(glm::min(a, b), glm::min(c, d)), glm::max(glm::max(a, b), glm::max(c, d)));
+  for (const Corners& corners : {Corners{a, b, c}, Corners{d, c, b}, Corners{a, b, d}, Corners{a, d, c}})
+    cells.include(corners);
+}
+
+// Each gives the side of its widest square, in samples.
+uint32_t includeSamples(const Ground& ground, const glm::dvec2& cell, Cells& cells) {
+  const bool by_planes = isByPlanes(cells.spacing(), cell);
+  std::vector<glm::dvec3> south(ground.columns), north(ground.columns);
+  const auto readRow = [&](uint32_t row, std::vector<glm::dvec3>& into) {
+    for (uint32_t i = 0; i < ground.columns; ++i) into[i] = ground.at(i, row);
+  };
+  readRow(0, south);
+  for (uint32_t j = 1; j < ground.rows; ++j) {
+    readRow(j, north);
+    for (uint32_t i = 1; i < ground.columns; ++i)
+      includeSquare(south[i - 1], south[i], north[i - 1], north[i], by_planes, cells);
+    south.swap(north);
+  }
+  return 1;
+}
+uint32_t includeFlatSquares(const terrain::Scene& scene, const Ground& ground, const glm::dvec2& cell, Cells& cells) {
+  uint32_t widest = 1;
+  terrain::FlatSquares(scene.grid(), scene.pages()).forEach([&](uint32_t x, uint32_t y, uint32_t side) {
+    widest = std::max(widest, side);
+    includeSquare(ground.at(x, y), ground.at(x + side, y), ground.at(x, y + side), ground.at(x + side, y + side),
+                  isByPlanes(cells.spacing(), cell * double(side)), cells);
+  });
+  return widest;
+}
+
 }  // namespace
 
 std::optional<TangentHeights> tangentHeights(const Hierarchy& hierarchy, size_t max_vertices) {
@@ -148,28 +192,10 @@ std::optional<TangentHeights> tangentHeights(const Hierarchy& hierarchy, size_t 
   heights.rows = static_cast<uint32_t>(size.y / heights.spacing_m);
   if (heights.columns < 2 || heights.rows < 2) return std::nullopt;
   Cells cells(heights);
-  // Of coarser cells planes say little more than corners, which take less than half the time.
-  const bool by_planes = heights.spacing_m < kCoarse * std::max(cell.x, cell.y);
-  std::vector<glm::dvec3> south(ground.columns), north(ground.columns);
-  const auto readRow = [&](uint32_t row, std::vector<glm::dvec3>& into) {
-    for (uint32_t i = 0; i < ground.columns; ++i) into[i] = ground.at(i, row);
-  };
-  readRow(0, south);
-  for (uint32_t j = 1; j < ground.rows; ++j) {
-    readRow(j, north);
-    for (uint32_t i = 1; i < ground.columns; ++i) {
-      const glm::dvec3 &a = south[i - 1], &b = south[i], &c = north[i - 1], &d = north[i];
-      if (!by_planes) {
-        cells.include(glm::min(glm::min(a, b), glm::min(c, d)), glm::max(glm::max(a, b), glm::max(c, d)));
-        continue;
-      }
-      for (const Corners& corners : {Corners{a, b, c}, Corners{d, c, b}, Corners{a, b, d}, Corners{a, d, c}})
-        cells.include(corners);
-    }
-    south.swap(north);
-  }
+  const uint32_t widest = hierarchy.scene().isSparse() ? includeFlatSquares(hierarchy.scene(), ground, cell, cells)
+                                                       : includeSamples(ground, cell, cells);
   // The ground between samples bends below their triangles where the scene is not level.
-  const double bend_m = glm::dot(cell, cell) / frame.minRadius();
+  const double bend_m = glm::dot(cell, cell) * widest * widest / frame.minRadius();
   heights.heights_m.reserve(size_t{heights.columns} * heights.rows);
   for (uint32_t j = 0; j < heights.rows; ++j)
     for (uint32_t i = 0; i < heights.columns; ++i)

@@ -22,6 +22,13 @@ enum class HeightEncoding : uint8_t {
   kTerrainRgb,  // the same: (red * 65536 + green * 256 + blue) / 10 - 10000 metres
 };
 
+// Of inputs of several grids: whether their lattice is as fine everywhere as where it is finest.
+enum class LatticeChoice : uint8_t {
+  kAuto,    // where it would have far more positions than the inputs have samples, it is fine in places only
+  kWhole,   // everywhere
+  kSparse,  // in places only
+};
+
 // A raster of another grid that is laid over the inputs.
 struct InsetFile {
   std::filesystem::path file;
@@ -47,6 +54,7 @@ struct OpenOptions {
   // How far the lattice's heights may be from an inset's samples, before they are rounded; by default the lattice is as
   // fine as the finest inset.
   std::optional<double> residual_m{};
+  LatticeChoice lattice = LatticeChoice::kAuto;
   bool keeps_map = false;  // whether a file's map stays as it is, although its distances are not those of the ground
   // Beside its own folder, what a file may name files of (terrain/fence/file_fence.h); without the fence, in tests of
   // what else holds, any.

@@ -1,0 +1,68 @@
+#include "terrain/store/stored_heights.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace foreland::terrain {
+
+using proto::NodeId;
+
+int32_t StoredHeights::at(NodeId v) const { return static_cast<int32_t>(std::nearbyint(exactAt(v))); }
+
+double StoredHeights::exactAt(NodeId v) const {
+  const int level = grid_.level(v);
+  if (level == 0) return base_.at(grid_, v);
+  const uint64_t place = pages_.placeOf(grid_.slot(v, level));
+  return place == proto::PageDirectory::kNowhere ? interpolated(v) : records_[place].height();
+}
+
+namespace {
+
+// Twice the area of the triangle (a, b, c); positive if it is counter-clockwise.
+int64_t doubleArea(NodeId a, NodeId b, NodeId c) {
+  const auto x = [](NodeId v) { return int64_t{v.x()}; };
+  const auto y = [](NodeId v) { return int64_t{v.y()}; };
+  return (x(b) - x(a)) * (y(c) - y(a)) - (y(b) - y(a)) * (x(c) - x(a));
+}
+
+// A triangle that is halved at the middle of the edge from a to b.
+struct Halved {
+  NodeId a, b, apex;
+
+  NodeId middle() const { return NodeId::at((a.x() + b.x()) / 2, (a.y() + b.y()) / 2); }
+  // The half that a point of the triangle lies in.
+  Halved halfWith(NodeId v) const {
+    const NodeId m = middle();
+    const bool with_a = (doubleArea(m, apex, v) >= 0) == (doubleArea(m, apex, a) >= 0);
+    return {with_a ? a : b, apex, m};
+  }
+};
+
+// Of a root square, one of its four triangles that a point of the lattice lies in.
+Halved rootTriangle(const proto::GridTopology& grid, NodeId v) {
+  const proto::GridShape& shape = grid.shape();
+  const uint32_t k = shape.root_log2, size = 1u << k, x0 = std::min(v.x() >> k, shape.roots_x - 1) << k,
+                 y0 = std::min(v.y() >> k, shape.roots_y - 1) << k, dx = v.x() - x0, dy = v.y() - y0;
+  const NodeId centre = NodeId::at(x0 + size / 2, y0 + size / 2);
+  const bool below_rising = dy <= dx, below_falling = dy <= size - dx;
+  const NodeId first = below_rising == below_falling ? NodeId::at(x0, y0 + (below_rising ? 0 : size))
+                                                     : NodeId::at(x0 + (below_rising ? size : 0), y0);
+  const NodeId second =
+      below_rising == below_falling ? NodeId::at(first.x() + size, first.y()) : NodeId::at(first.x(), first.y() + size);
+  return {first, second, centre};
+}
+
+}  // namespace
+
+double StoredHeights::interpolated(NodeId v) const {
+  Halved t = rootTriangle(grid_, v);
+  for (int level = 1; level <= grid_.maxLevel() && pages_.hasPage(grid_.slot(t.middle(), level)); ++level)
+    t = t.halfWith(v);
+  const auto all = static_cast<double>(doubleArea(t.a, t.b, t.apex));
+  const double sum = static_cast<double>(doubleArea(v, t.b, t.apex)) * at(t.a) +
+                     static_cast<double>(doubleArea(t.a, v, t.apex)) * at(t.b) +
+                     static_cast<double>(doubleArea(t.a, t.b, v)) * at(t.apex);
+  return sum / all;
+}
+
+}  // namespace foreland::terrain

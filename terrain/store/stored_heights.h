@@ -1,0 +1,40 @@
+// The ground of a scene's nodes at any point of its lattice, also of one that is fine in places only. A view of nodes
+// and base heights, which must outlive it; immutable; any thread.
+#pragma once
+
+#include <span>
+
+#include "proto/section/bounds.h"
+#include "proto/section/node_tables.h"
+#include "proto/section/page_directory.h"
+#include "proto/topology/grid.h"
+
+namespace foreland::terrain {
+
+class StoredHeights {
+ public:
+  // `records` by place in the directory.
+  StoredHeights(const proto::GridTopology& grid, const proto::PageDirectory& pages,
+                std::span<const proto::NodeRecord> records, proto::BaseHeights base)
+      : grid_(grid), pages_(pages), records_(records), base_(base) {}
+
+  // Height of any lattice point, node or base vertex, in quanta. Where no page is, the ground is the triangle of the
+  // finest nodes around that are there, and the height is its nearest whole number of quanta there: two look-ups for
+  // each level.
+  int32_t at(proto::NodeId v) const;
+  // The same without rounding to whole quanta.
+  double exactAt(proto::NodeId v) const;
+
+  const proto::GridTopology& grid() const { return grid_; }
+  const proto::PageDirectory& pages() const { return pages_; }
+
+ private:
+  double interpolated(proto::NodeId v) const;
+
+  const proto::GridTopology& grid_;
+  const proto::PageDirectory& pages_;
+  std::span<const proto::NodeRecord> records_;
+  proto::BaseHeights base_;
+};
+
+}  // namespace foreland::terrain
