@@ -34,6 +34,20 @@ proto::Geodetic referenceToGeodetic(const proto::Frame& frame, const glm::dvec3&
   return {latitude * kDegree, longitude * kDegree, height_m};
 }
 
+glm::dvec3 referencePosition(const Ellipsoid& ellipsoid, const proto::Geodetic& place) {
+  glm::dvec3 p;
+  GeographicLib::Geocentric(ellipsoid.semi_major_m, ellipsoid.flattening)
+      .Forward(place.latitude_rad / kDegree, place.longitude_rad / kDegree, place.height_m, p.x, p.y, p.z);
+  return p;
+}
+
+proto::Geodetic referencePlace(const Ellipsoid& ellipsoid, const glm::dvec3& p) {
+  double latitude = 0, longitude = 0, height_m = 0;
+  GeographicLib::Geocentric(ellipsoid.semi_major_m, ellipsoid.flattening)
+      .Reverse(p.x, p.y, p.z, latitude, longitude, height_m);
+  return {latitude * kDegree, longitude * kDegree, height_m};
+}
+
 glm::dvec2 metresPerRadian(const Ellipsoid& ellipsoid, double latitude_rad) {
   const double e2 = ellipsoid.flattening * (2 - ellipsoid.flattening), s = std::sin(latitude_rad);
   const double w2 = 1 - e2 * s * s, normal = ellipsoid.semi_major_m / std::sqrt(w2);
@@ -42,6 +56,8 @@ glm::dvec2 metresPerRadian(const Ellipsoid& ellipsoid, double latitude_rad) {
 
 glm::dvec2 sampleSpacing(const proto::Frame& frame, uint32_t width, uint32_t height) {
   if (frame.kind == proto::FrameKind::kPlanar) return {glm::length(frame.axis_x_m), glm::length(frame.axis_y_m)};
+  if (frame.kind == proto::FrameKind::kGlobe)  // a quarter of the equator is as long as a face, whatever its cells
+    return glm::dvec2(0.5 * std::numbers::pi * frame.semi_major_m / frame.face_steps);
   (void)width;  // the same along a parallel
   const double latitude = frame.latitude0_rad + 0.5 * height * frame.latitude_step_rad;
   const glm::dvec2 metres = metresPerRadian({frame.semi_major_m, frame.flattening}, latitude);

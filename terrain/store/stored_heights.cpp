@@ -56,12 +56,14 @@ Halved rootTriangle(const proto::GridTopology& grid, NodeId v) {
 
 double StoredHeights::interpolated(NodeId v) const {
   Halved t = rootTriangle(grid_, v);
-  for (int level = 1; level <= grid_.maxLevel() && pages_.hasPage(grid_.slot(t.middle(), level)); ++level)
+  const uint32_t root_x = t.apex.x() >> grid_.shape().root_log2;
+  const auto nameOf = [&](NodeId corner) { return grid_.nameIn(root_x, corner); };
+  for (int level = 1; level <= grid_.maxLevel() && pages_.hasPage(grid_.slot(nameOf(t.middle()), level)); ++level)
     t = t.halfWith(v);
   const auto all = static_cast<double>(doubleArea(t.a, t.b, t.apex));
-  const double sum = static_cast<double>(doubleArea(v, t.b, t.apex)) * at(t.a) +
-                     static_cast<double>(doubleArea(t.a, v, t.apex)) * at(t.b) +
-                     static_cast<double>(doubleArea(t.a, t.b, v)) * at(t.apex);
+  const double sum = static_cast<double>(doubleArea(v, t.b, t.apex)) * at(nameOf(t.a)) +
+                     static_cast<double>(doubleArea(t.a, v, t.apex)) * at(nameOf(t.b)) +
+                     static_cast<double>(doubleArea(t.a, t.b, v)) * at(nameOf(t.apex));
   return sum / all;
 }
 
