@@ -53,6 +53,7 @@ Result<Frame> frameOf(const fb::Frame* m, const GridShape& shape) {
   f.longitude_step_rad = m->longitude_step_rad();
   f.semi_major_m = m->semi_major_m();
   f.flattening = m->flattening();
+  if (shape.is_cube) f.face_steps = 1u << shape.root_log2;
   f.origin = {m->origin()->latitude_rad(), m->origin()->longitude_rad(), m->origin()->height_m()};
   const double max_x = std::ldexp(shape.roots_x, static_cast<int>(shape.root_log2));
   const double max_y = std::ldexp(shape.roots_y, static_cast<int>(shape.root_log2));
@@ -195,7 +196,13 @@ Result<Welcome> readWelcome(const fb::Welcome& m) {
   out.title = text(m.title(), kMaxTextBytes);
   out.crs = text(m.crs(), kMaxTextBytes);
   const fb::Shape& s = *m.shape();
-  out.shape = {s.roots_x(), s.roots_y(), s.root_log2(), s.samples_x(), s.samples_y(), s.sparse_levels()};
+  out.shape = {s.roots_x(),
+               s.roots_y(),
+               s.root_log2(),
+               s.samples_x(),
+               s.samples_y(),
+               s.sparse_levels(),
+               m.frame() && m.frame()->kind() == static_cast<uint8_t>(FrameKind::kGlobe)};
   if (auto grid = GridTopology::create(out.shape); !grid) return grid.error();
   auto frame = frameOf(m.frame(), out.shape);
   if (!frame) return frame.error();

@@ -1,5 +1,7 @@
 #include "proto/space/frame.h"
 
+#include <algorithm>
+#include <bit>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <string>
@@ -28,7 +30,7 @@ bool Frame::operator==(const Frame& o) const {
          longitude0_rad == o.longitude0_rad && latitude_step_rad == o.latitude_step_rad &&
          longitude_step_rad == o.longitude_step_rad && semi_major_m == o.semi_major_m && flattening == o.flattening &&
          origin.latitude_rad == o.origin.latitude_rad && origin.longitude_rad == o.origin.longitude_rad &&
-         origin.height_m == o.origin.height_m;
+         origin.height_m == o.origin.height_m && face_steps == o.face_steps;
 }
 
 Status Frame::validate(double max_x, double max_y) const {
@@ -41,6 +43,13 @@ Status Frame::validate(double max_x, double max_y) const {
     if (!(axis_x_m.x * axis_y_m.y - axis_x_m.y * axis_y_m.x > 0)) return malformed("the axes are not right-handed");
     return {};
   }
+  if (!(semi_major_m > 0) || flattening < 0 || flattening >= 1) return malformed("not an ellipsoid");
+  if (kind == FrameKind::kGlobe) {
+    if (flattening > 0.1 || semi_major_m < 1e3 || semi_major_m > 1e9) return malformed("not a planet's ellipsoid");
+    if (!std::has_single_bit(face_steps) || max_x != 6.0 * face_steps || max_y != face_steps)
+      return malformed("the faces do not fit the lattice");
+    return {};
+  }
   if (kind != FrameKind::kGeographic) return malformed("unknown kind");
   const double last_latitude = latitude0_rad + max_y * latitude_step_rad;
   if (!(latitude_step_rad > 0) || !(longitude_step_rad > 0))
@@ -51,11 +60,13 @@ Status Frame::validate(double max_x, double max_y) const {
     return malformed("latitude or longitude outside the globe");
   if (std::fabs(origin.latitude_rad) > 2 * kHalfPi || std::fabs(origin.longitude_rad) > 8 * kHalfPi)
     return malformed("the origin lies outside the globe");
-  if (!(semi_major_m > 0) || flattening < 0 || flattening >= 1) return malformed("not an ellipsoid");
   return {};
 }
 
-FrameTransform::FrameTransform(const Frame& frame) : frame_(frame) {
+FrameTransform::FrameTransform(const Frame& frame)
+    : frame_(frame),
+      face_log2_(static_cast<uint32_t>(std::countr_zero(frame.face_steps | 1u << 31))),
+      spheroid_(frame.semi_major_m, frame.semiMinor()) {
   if (frame_.kind != FrameKind::kGeographic) return;
   e2_ = frame_.flattening * (2 - frame_.flattening);
   const SinCos lat = sinCos(frame_.origin.latitude_rad);
@@ -75,6 +86,10 @@ FrameTransform::Column FrameTransform::column(double longitude_rad) const {
 }
 
 glm::dvec3 FrameTransform::toScene(const Geodetic& position) const {
+  if (frame_.kind == FrameKind::kGlobe) {
+    const SinCos lat = sinCos(position.latitude_rad), lon = sinCos(position.longitude_rad);
+    return spheroid_.position({lat.cos * lon.cos, lat.cos * lon.sin, lat.sin}, position.height_m);
+  }
   return fromTables(row(position.latitude_rad), column(position.longitude_rad), position.height_m);
 }
 
@@ -82,12 +97,21 @@ glm::dvec3 FrameTransform::toScene(const LatticePosition& position) const {
   if (frame_.kind == FrameKind::kGeographic)
     return toScene(Geodetic{frame_.latitude0_rad + position.y * frame_.latitude_step_rad,
                             frame_.longitude0_rad + position.x * frame_.longitude_step_rad, position.height_m});
+  if (frame_.kind == FrameKind::kGlobe) {
+    const double steps = frame_.face_steps, face = std::clamp(std::floor(position.x / steps), 0.0, 5.0);
+    const double s = (position.x - face * steps) * (2 / steps) - 1, t = position.y * (2 / steps) - 1;
+    return spheroid_.position(cubeVector({static_cast<uint32_t>(face), s, t}), position.height_m);
+  }
   const double dx = position.x - frame_.anchor.x, dy = position.y - frame_.anchor.y;
   return {dx * frame_.axis_x_m.x + dy * frame_.axis_y_m.x, dx * frame_.axis_x_m.y + dy * frame_.axis_y_m.y,
           position.height_m};
 }
 
 Geodetic FrameTransform::toGeodetic(const glm::dvec3& p) const {
+  if (frame_.kind == FrameKind::kGlobe) {
+    const auto [n, height_m] = spheroid_.place(p);
+    return {arcTan2(n.z, std::sqrt(n.x * n.x + n.y * n.y)), arcTan2(n.y, n.x), height_m};
+  }
   const double x = origin_ecef_.x - sin_lat0_ * p.y + cos_lat0_ * p.z;
   const double y = origin_ecef_.y + p.x;
   const double z = origin_ecef_.z + cos_lat0_ * p.y + sin_lat0_ * p.z;
@@ -110,6 +134,12 @@ LatticePosition FrameTransform::toLattice(const glm::dvec3& p) const {
     return {(g.longitude_rad - frame_.longitude0_rad) / frame_.longitude_step_rad,
             (g.latitude_rad - frame_.latitude0_rad) / frame_.latitude_step_rad, g.height_m};
   }
+  if (frame_.kind == FrameKind::kGlobe) {
+    const auto [n, height_m] = spheroid_.place(p);
+    const CubePoint at = cubePoint(n);
+    const double half = 0.5 * frame_.face_steps;
+    return {(2 * at.face + at.s + 1) * half, (at.t + 1) * half, height_m};
+  }
   const glm::dvec2 a = frame_.axis_x_m, b = frame_.axis_y_m;
   const double determinant = a.x * b.y - a.y * b.x;
   return {frame_.anchor.x + (p.x * b.y - p.y * b.x) / determinant,
@@ -118,6 +148,7 @@ LatticePosition FrameTransform::toLattice(const glm::dvec3& p) const {
 
 glm::dvec3 FrameTransform::upAt(const glm::dvec3& p) const {
   if (frame_.kind == FrameKind::kPlanar) return {0, 0, 1};
+  if (frame_.kind == FrameKind::kGlobe) return spheroid_.place(p).normal;
   const Geodetic g = toGeodetic(p);
   return glm::normalize(toScene(Geodetic{g.latitude_rad, g.longitude_rad, g.height_m + 1000}) - p);
 }

@@ -19,6 +19,8 @@ class FrameGrid {
   glm::dvec3 position(NodeId v, double height) const {
     const double height_m = height * height_quantum_m_;
     if (tables_.columns.empty()) {
+      if (frame().kind == FrameKind::kGlobe) [[unlikely]]
+        return transform_.vertexOfGlobe(v.x(), v.y(), height_m);
       const double dx = v.x() - frame().anchor.x, dy = v.y() - frame().anchor.y;
       return {dx * frame().axis_x_m.x + dy * frame().axis_y_m.x, dx * frame().axis_x_m.y + dy * frame().axis_y_m.y,
               height_m};

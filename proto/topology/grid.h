@@ -10,8 +10,14 @@
 // So each node has at most two parents and four children, and a set closed under parents is a conforming mesh.
 //
 // The raster need not fill the roots: samples_x, samples_y say how far the data goes; triangles beyond are never drawn
-// (oracle/reference/mesh_builder.cpp clips). Immutable after creation; any thread; every function is O(1) integer
-// arithmetic.
+// (oracle/reference/mesh_builder.cpp clips).
+//
+// The roots of a cube are its six faces, laid and glued as cube.h says. All of the above holds across its edges, each
+// of which borders two squares like any line of the lattice; nothing lies outside. A node on an edge is named by one of
+// the faces, and its offsets to others cross no more than that edge. The row of corners at y = W repeats those at y =
+// 0, but for its first: base vertices are named like nodes (cube.h), and the others' heights are copies.
+//
+// Immutable after creation; any thread; every function is O(1) integer arithmetic.
 #pragma once
 
 #include <algorithm>
@@ -21,6 +27,7 @@
 
 #include "base/check.h"
 #include "base/result.h"
+#include "proto/topology/cube.h"
 #include "proto/topology/node.h"
 
 namespace foreland::proto {
@@ -34,6 +41,7 @@ struct GridShape {
   uint32_t samples_y = 3;  // data rows
   // So many of the finest levels are sparse: not all of their pages need be there. Of all other levels all are.
   uint32_t sparse_levels = 0;
+  bool is_cube = false;  // 6 x 1 roots are the faces of a cube, and full of data
   bool operator==(const GridShape&) const = default;
 };
 
@@ -47,11 +55,11 @@ struct PagePlace {
 
 class GridTopology {
  public:
-  static constexpr uint32_t kMaxRootLog2 = 15;
+  static constexpr uint32_t kMaxRootLog2 = 15, kMaxCubeLog2 = 24;
   static constexpr uint32_t kMaxSamples = 1u << 20;  // per axis
-  static constexpr int kMaxLevels = 2 * kMaxRootLog2;
+  static constexpr int kMaxLevels = 2 * kMaxCubeLog2;
   static constexpr Slot kMaxWholeSlots = 0xffffffffu;           // of the levels that are whole
-  static constexpr uint64_t kMaxPositions = uint64_t{1} << 37;  // of the lattice
+  static constexpr uint64_t kMaxPositions = uint64_t{1} << 37;  // of the lattice, but for cubes
 
   // Refuses shapes that are empty, larger than the limits above, without a level that is whole, or whose data exceeds
   // the roots.
@@ -59,8 +67,15 @@ class GridTopology {
 
   // Root squares that cover `samples_x` x `samples_y` with at most about eight roots a side. Both at least 2.
   static GridShape shapeFor(uint32_t samples_x, uint32_t samples_y);
+  // A cube with faces of 2^root_log2 steps a side.
+  static GridShape cubeShape(uint32_t root_log2, uint32_t sparse_levels = 0) {
+    return {Cube::kFaces, 1, root_log2, (Cube::kFaces << root_log2) + 1, (1u << root_log2) + 1, sparse_levels, true};
+  }
 
   const GridShape& shape() const { return shape_; }
+  bool isCube() const { return shape_.is_cube; }
+  // How a cube's squares are laid.
+  Cube cube() const { return Cube(shape_.root_log2); }
   uint32_t rootSize() const { return 1u << shape_.root_log2; }
   uint32_t maxX() const { return shape_.roots_x << shape_.root_log2; }
   uint32_t maxY() const { return shape_.roots_y << shape_.root_log2; }
@@ -95,7 +110,16 @@ class GridTopology {
     return level_offset_[page.level] + ((tile << sides | (page.row & sides)) * kPageSlots);
   }
 
+  // Whether it names a vertex. Of a cube's it may name one that has another name.
   bool contains(NodeId n) const { return n.x() <= maxX() && n.y() <= maxY(); }
+  // Whether a node lies on an edge of a cube.
+  bool isOnSeam(NodeId n) const { return isCube() && cube().isOnSeam(n); }
+  // The vertex at (x, y) on the square of root `root_x` (and of any row), which may lie on its far sides: its name.
+  NodeId nameIn(uint32_t root_x, NodeId v) const {
+    if (!isCube()) return v;
+    const uint32_t west = root_x << shape_.root_log2;
+    return cube().name({root_x, static_cast<int32_t>(v.x() - west), static_cast<int32_t>(v.y())});
+  }
 
   // log2 of the largest power of two dividing both coordinates, capped at k.
   uint32_t scaleLog2(NodeId n) const { return static_cast<uint32_t>(std::countr_zero((n.x() | n.y()) | rootSize())); }
@@ -113,11 +137,10 @@ class GridTopology {
   // The two vertices whose midpoint the node refines.
   std::array<NodeId, 2> endpoints(NodeId n, int level) const {
     const uint32_t t = scaleLog2At(level), s = 1u << t, x = n.x(), y = n.y();
-    if (isCentreLevel(level)) {
-      const uint32_t up = rise(x, y, t);
-      return {NodeId::at(x - s, y - up), NodeId::at(x + s, y + up)};
-    }
-    const uint32_t along_x = 0 - (x >> t & 1), dx = s & along_x, dy = s & ~along_x;
+    const uint32_t along_x = 0 - (x >> t & 1), dx = s & along_x,
+                   dy = isCentreLevel(level) ? rise(x, y, t) : s & ~along_x;
+    if (isCube()) [[unlikely]]
+      return {moved(n, 0 - dx, 0 - dy), moved(n, dx, dy)};
     return {NodeId::at(x - dx, y - dy), NodeId::at(x + dx, y + dy)};
   }
   std::array<NodeId, 2> endpoints(NodeId n) const { return endpoints(n, level(n)); }
@@ -126,6 +149,8 @@ class GridTopology {
   NodeList<2> apexes(NodeId n, int level) const {
     const uint32_t t = scaleLog2At(level), s = 1u << t, x = n.x(), y = n.y();
     NodeList<2> result;
+    if (isCube()) [[unlikely]]
+      return cubeApexes(n, level);
     if (isCentreLevel(level)) {
       const uint32_t up = rise(x, y, t);
       result.push(NodeId::at(x - s, y + up));
@@ -144,10 +169,13 @@ class GridTopology {
   NodeList<2> parents(NodeId n) const { return parents(n, level(n)); }
 
   // The nodes of which `n` is a parent. `n` may also be the centre of a root, of level 0, whose children are parentless
-  // or half so.
+  // or half so. A centre's are those west, east, south and north of it; a side's those south-west, south-east,
+  // north-west and north-east, as seen on the square that names it, without those outside of the grid.
   NodeList<4> children(NodeId n, int level) const {
     const uint32_t t = scaleLog2At(level), x = n.x(), y = n.y();
     NodeList<4> result;
+    if (isCube()) [[unlikely]]
+      return cubeChildren(n, level);
     if (isCentreLevel(level)) {
       const uint32_t s = 1u << t;
       result.push(NodeId::at(x - s, y));
@@ -170,6 +198,11 @@ class GridTopology {
   // Whether all parents of a child of `n` but `n` itself, of which there is at most one, are there: isThere(NodeId).
   template <class IsThere>
   bool hasOtherParent(NodeId child, NodeId n, const IsThere& isThere) const {
+    if (isCube()) [[unlikely]] {
+      for (const NodeId apex : apexes(child))
+        if (apex != n) return isThere(apex);
+      return true;
+    }
     const NodeId other = NodeId::at(2 * child.x() - n.x(), 2 * child.y() - n.y());  // they lie on both sides of it
     return !contains(other) || isThere(other);
   }
@@ -191,7 +224,7 @@ class GridTopology {
     const uint32_t t = scaleLog2At(level), s = 1u << t;
     const NodeId n =
         NodeId::at((cell.x << (t + 1)) + (s & (along_y - 1)), (cell.y << (t + 1)) + (s & ((sides & ~along_y) - 1)));
-    return contains(n) ? n : NodeId{};
+    return (isCube() ? n.x() < maxX() && n.y() < maxY() : contains(n)) ? n : NodeId{};
   }
 
   // node() for the slots of one page (kPageSlots, which are all of one level), by their index in it; not for padding.
@@ -227,6 +260,16 @@ class GridTopology {
 
  private:
   static constexpr uint32_t kTileLog2 = 4, kTile = 1u << kTileLog2;
+
+  // Of a cube: the vertex so many steps away, modulo 2^32, on the square that names the node, or as if the square
+  // across the one edge that it lies on were a part of it.
+  NodeId moved(NodeId n, uint32_t dx, uint32_t dy) const {
+    const uint32_t side = rootSize() - 1, x = (n.x() & side) + dx, y = n.y() + dy;
+    if (x <= side && y <= side && n.x() < maxX()) return NodeId::at(n.x() + dx, y);
+    return cube().moved(n, static_cast<int32_t>(dx), static_cast<int32_t>(dy));
+  }
+  NodeList<2> cubeApexes(NodeId n, int level) const;
+  NodeList<4> cubeChildren(NodeId n, int level) const;
 
   // Of a slot in the grid.
   int levelOf(Slot slot) const {

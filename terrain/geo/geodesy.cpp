@@ -34,6 +34,20 @@ proto::Geodetic referenceToGeodetic(const proto::Frame& frame, const glm::dvec3&
   return {latitude * kDegree, longitude * kDegree, height_m};
 }
 
+glm::dvec3 referencePosition(const Ellipsoid& ellipsoid, const proto::Geodetic& place) {
+  glm::dvec3 p;
+  GeographicLib::Geocentric(ellipsoid.semi_major_m, ellipsoid.flattening)
+      .Forward(place.latitude_rad / kDegree, place.longitude_rad / kDegree, place.height_m, p.x, p.y, p.z);
+  return p;
+}
+
+proto::Geodetic referencePlace(const Ellipsoid& ellipsoid, const glm::dvec3& p) {
+  double latitude = 0, longitude = 0, height_m = 0;
+  GeographicLib::Geocentric(ellipsoid.semi_major_m, ellipsoid.flattening)
+      .Reverse(p.x, p.y, p.z, latitude, longitude, height_m);
+  return {latitude * kDegree, longitude * kDegree, height_m};
+}
+
 glm::dvec2 metresPerRadian(const Ellipsoid& ellipsoid, double latitude_rad) {
   const double e2 = ellipsoid.flattening * (2 - ellipsoid.flattening), s = std::sin(latitude_rad);
   const double w2 = 1 - e2 * s * s, normal = ellipsoid.semi_major_m / std::sqrt(w2);

@@ -23,6 +23,10 @@ struct Ellipsoid {
 glm::dvec3 referenceToScene(const proto::Frame& frame, const proto::Geodetic& place);
 proto::Geodetic referenceToGeodetic(const proto::Frame& frame, const glm::dvec3& scene_m);
 
+// Earth-centred position of a geodetic position, and back, by GeographicLib's Geocentric.
+glm::dvec3 referencePosition(const Ellipsoid& ellipsoid, const proto::Geodetic& place);
+proto::Geodetic referencePlace(const Ellipsoid& ellipsoid, const glm::dvec3& position_m);
+
 // Metres per radian of longitude (x) and of latitude (y) at a latitude, height 0.
 glm::dvec2 metresPerRadian(const Ellipsoid& ellipsoid, double latitude_rad);
 

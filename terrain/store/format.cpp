@@ -64,6 +64,7 @@ proto::Frame getFrame(const FileHeader& h) {
   proto::Frame f;
   f.kind =
       static_cast<proto::FrameKind>(std::min(h.frame_kind, 255u));  // an unknown kind is refused by Frame::validate
+  if (f.kind == proto::FrameKind::kGlobe && h.root_log2 < 32) f.face_steps = 1u << h.root_log2;
   f.height_quantum_m = h.height_quantum_m;
   f.anchor = pair(h.anchor);
   f.axis_x_m = pair(h.axis_x_m);

@@ -53,7 +53,10 @@ struct FileHeader {
   SectionRange datum;  // after the tiles (datum_section.h); zeros where no vertical datum is stated
   SectionRange pages;  // after the datum: blocks of the pages that are there of sparse levels; zeros if there are none
 
-  proto::GridShape shape() const { return {roots_x, roots_y, root_log2, samples_x, samples_y, sparse_levels}; }
+  proto::GridShape shape() const {
+    const bool is_cube = frame_kind == static_cast<uint32_t>(proto::FrameKind::kGlobe);
+    return {roots_x, roots_y, root_log2, samples_x, samples_y, sparse_levels, is_cube};
+  }
 };
 static_assert(sizeof(FileHeader) == 400 && std::is_trivially_copyable_v<FileHeader>);
 static_assert(offsetof(FileHeader, roots_x) == 40 && offsetof(FileHeader, height_quantum_m) == 64);

@@ -71,12 +71,14 @@ Halved rootTriangle(const proto::GridTopology& grid, NodeId v) {
 
 int32_t Scene::interpolated(NodeId v) const {
   Halved t = rootTriangle(grid_, v);
-  for (int level = 1; level <= grid_.maxLevel() && directory_.hasPage(grid_.slot(t.middle(), level)); ++level)
+  const uint32_t root_x = t.apex.x() >> grid_.shape().root_log2;
+  const auto nameOf = [&](NodeId corner) { return grid_.nameIn(root_x, corner); };
+  for (int level = 1; level <= grid_.maxLevel() && directory_.hasPage(grid_.slot(nameOf(t.middle()), level)); ++level)
     t = t.halfWith(v);
   const auto all = static_cast<double>(doubleArea(t.a, t.b, t.apex));
-  const double sum = static_cast<double>(doubleArea(v, t.b, t.apex)) * height(t.a) +
-                     static_cast<double>(doubleArea(t.a, v, t.apex)) * height(t.b) +
-                     static_cast<double>(doubleArea(t.a, t.b, v)) * height(t.apex);
+  const double sum = static_cast<double>(doubleArea(v, t.b, t.apex)) * height(nameOf(t.a)) +
+                     static_cast<double>(doubleArea(t.a, v, t.apex)) * height(nameOf(t.b)) +
+                     static_cast<double>(doubleArea(t.a, t.b, v)) * height(nameOf(t.apex));
   return static_cast<int32_t>(std::nearbyint(sum / all));
 }
 
