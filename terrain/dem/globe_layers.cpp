@@ -19,8 +19,8 @@ namespace foreland::terrain {
 namespace {
 
 constexpr double kRadian = std::numbers::pi / 180;
-constexpr double kWide = 0.05;  // radians: patches that are wider are judged by their cones alone
-constexpr uint32_t kSurvey = 17;   // rows and columns of samples that a raster is surveyed at
+constexpr double kWide = 0.05;    // radians: patches that are wider are judged by their cones alone
+constexpr uint32_t kSurvey = 17;  // rows and columns of samples that a raster is surveyed at
 
 // Metres between columns and between rows of a raster, at a sample.
 std::optional<glm::dvec2> spacingAt(const LayerPlace& place, const Ellipsoid& ellipsoid, glm::dvec2 sample) {
@@ -57,9 +57,7 @@ double featherOnGlobe(const GlobeGroup& g, double base_spacing_m, const OpenOpti
   return base_spacing_m * defaultFeather(sides_m / base_spacing_m);
 }
 
-auto rankOnGlobe(const GlobeGroup& g) {
-  return std::tuple(g.group.priority.has_value(), g.group.priority.value_or(0));
-}
+auto rankOnGlobe(const GlobeGroup& g) { return std::tuple(g.group.priority.has_value(), g.group.priority.value_or(0)); }
 
 GlobeInput describeLayer(const GlobeGroup& g, double feather_m) {
   GlobeInput input{.files = {},
@@ -182,8 +180,9 @@ Result<std::vector<GlobeLayer>> globeLayers(std::vector<LaidTile> tiles, const L
     }
     if (g.place.places.isBallpark())
       info.warnings.push_back(name + ": PROJ knows no exact transformation between its reference system and " +
-                              lattice.name + "'s on this machine, so places may be off by up to 200 m; `projsync "
-                                             "--file` or the package proj-data brings the grids");
+                              lattice.name +
+                              "'s on this machine, so places may be off by up to 200 m; `projsync "
+                              "--file` or the package proj-data brings the grids");
     const double feather_m = featherOnGlobe(g, base_spacing_m, options);
     inputs.push_back(describeLayer(g, feather_m));
     info.notes.insert(info.notes.end(), g.group.mosaic.notes.begin(), g.group.mosaic.notes.end());

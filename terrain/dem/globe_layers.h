@@ -44,7 +44,7 @@ class GlobeLayer {
   Layer layer_;
   double spacing_m_;
   glm::dvec3 middle_{0, 0, 1};
-  double angle_rad_ = 4;                // of a cone around the middle that holds all samples
+  double angle_rad_ = 4;               // of a cone around the middle that holds all samples
   std::unique_ptr<std::mutex> mutex_;  // PROJ's transformations belong to one thread at a time
 };
 

@@ -111,8 +111,9 @@ Result<GlobeBase> readGlobeBase(Mosaic mosaic, const OpenOptions& options, Globe
   const proto::Frame& frame = placement->frame;
   if (frame.kind != proto::FrameKind::kGeographic)
     return Error{ErrorCode::kInvalidArgument,
-                 name + ": a globe's first input must be in latitude and longitude; gdalwarp -t_srs EPSG:4326 brings "
-                        "it there"};
+                 name +
+                     ": a globe's first input must be in latitude and longitude; gdalwarp -t_srs EPSG:4326 brings "
+                     "it there"};
   info.title = titleOf(mosaic);
   info.crs_wkt = map.crs_wkt;
   info.semi_major_m = frame.semi_major_m;
@@ -129,7 +130,8 @@ Result<GlobeBase> readGlobeBase(Mosaic mosaic, const OpenOptions& options, Globe
   if (!samples.ok()) return samples.error();
   for (const std::string& warning : source->warnings()) info.warnings.push_back(warning);
   const VoidReport voids = fillVoids(samples->metres, samples->width, samples->height);
-  if (voids.all_void) return Error{ErrorCode::kMalformed, name + ": holds no data, only voids; check the file and --nodata"};
+  if (voids.all_void)
+    return Error{ErrorCode::kMalformed, name + ": holds no data, only voids; check the file and --nodata"};
   if (!voids.note.empty()) info.notes.push_back(voids.note);
   info.voids_filled = voids.samples;
   auto raster = PlanetRaster::of(std::move(*samples), glm::dvec2(frame.longitude0_rad, frame.latitude0_rad) / kDegrees,
@@ -144,8 +146,9 @@ Result<GlobeBase> readGlobeBase(Mosaic mosaic, const OpenOptions& options, Globe
 // Heights become those above the ellipsoid; the geoid's undulations are kept, by degrees.
 Status setDatum(const std::optional<Datum>& datum, GlobeInfo& info) {
   if (!datum) {
-    info.notes.push_back("nothing says what the heights are above, so they are taken as above the ellipsoid, from which "
-                         "the sea lies up to 107 m on the earth; --vertical egm96 says that they are above the sea");
+    info.notes.push_back(
+        "nothing says what the heights are above, so they are taken as above the ellipsoid, from which "
+        "the sea lies up to 107 m on the earth; --vertical egm96 says that they are above the sea");
     return {};
   }
   info.vertical = {proto::ZeroSurface::kEllipsoid, kEllipsoidName, {}, {}};
@@ -192,8 +195,7 @@ Result<std::unique_ptr<GlobeSource>> openGlobe(const std::vector<std::filesystem
       globeLayers(std::move(opened->others), base->lattice, info.inputs.back().spacing_m, options, info, laid);
   if (!layers.ok()) return layers.error();
   for (GlobeInput& input : laid) info.inputs.insert(info.inputs.begin(), std::move(input));
-  const bool is_above_geoid =
-      opened->datum && opened->datum->scene.zero_surface == proto::ZeroSurface::kGeoid;
+  const bool is_above_geoid = opened->datum && opened->datum->scene.zero_surface == proto::ZeroSurface::kGeoid;
   return std::unique_ptr<GlobeSource>(
       new Globe(std::move(base->raster), std::move(*layers), is_above_geoid, std::move(info)));
 }

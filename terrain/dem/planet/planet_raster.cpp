@@ -45,9 +45,9 @@ double shareOf(double beyond, double to_pole) { return beyond >= to_pole ? 1 : b
 Result<PlanetRaster> PlanetRaster::of(Samples samples, glm::dvec2 first, glm::dvec2 step) {
   const double turn = std::round(360 / step.x);
   if (!(std::fabs(turn * step.x - 360) < 0.1 * step.x) || !(turn >= 3) || turn > samples.width)
-    return Error{ErrorCode::kInvalidArgument,
-                 "its columns span " + degreesText(samples.width * step.x) + " degrees in steps of " +
-                     degreesText(step.x) + ", which does not go around a globe"};
+    return Error{ErrorCode::kInvalidArgument, "its columns span " + degreesText(samples.width * step.x) +
+                                                  " degrees in steps of " + degreesText(step.x) +
+                                                  ", which does not go around a globe"};
   const double last = first.y + (samples.height - 1.0) * step.y, reach = step.y * (1 + kNear);
   if (samples.height < 2 || first.y < -90 - kNear * step.y || last > 90 + kNear * step.y || first.y > -90 + reach ||
       last < 90 - reach)

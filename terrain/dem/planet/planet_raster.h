@@ -38,8 +38,8 @@ class PlanetRaster {
 
   Samples samples_;
   glm::dvec2 first_{0, 0};
-  double step_ = 1;                      // of rows
-  double south_m_ = 0, north_m_ = 0;     // at the poles
+  double step_ = 1;                   // of rows
+  double south_m_ = 0, north_m_ = 0;  // at the poles
 };
 
 }  // namespace foreland::terrain

@@ -45,7 +45,9 @@ class Proj {
     Proj out;
     out.pj_.reset(proj_create(out.context_.get(),
                               ("+proj=pipeline +step +proj=unitconvert +xy_in=deg +xy_out=rad +step +proj=vgridshift "
-                               "+multiplier=1 +grids=" + grid).c_str()));
+                               "+multiplier=1 +grids=" +
+                               grid)
+                                  .c_str()));
     return out;
   }
   bool exists() const { return pj_ != nullptr; }
@@ -109,7 +111,8 @@ TEST_F(OpenGlobe, ShowsAnInsetInsideItsFeather) {
   OpenOptions options;
   // Its columns go past the antimeridian.
   options.insets = {{file("fiji.tif", {"EPSG:4326", 178, -14, 0.02, 201, 151,
-                                       [](double x, double y) { return 50 * x + 30 * y - 7000; }}), 0}};
+                                       [](double x, double y) { return 50 * x + 30 * y - 7000; }}),
+                     0}};
   options.feather_m = 30000;
   const auto globe = opened({base}, options);
   ASSERT_TRUE(globe);
@@ -136,7 +139,8 @@ TEST_F(OpenGlobe, ShowsAnInsetInsideItsFeather) {
 TEST_F(OpenGlobe, ShowsAnInsetOverAPole) {
   OpenOptions options;
   options.insets = {{file("pole.tif", {"EPSG:3413", -400000, 400000, 5000, 161, 161,
-                                       [](double x, double y) { return 0.002 * x - 0.001 * y + 300; }}), 0}};
+                                       [](double x, double y) { return 0.002 * x - 0.001 * y + 300; }}),
+                     0}};
   options.feather_m = 50000;
   const auto globe = opened({base}, options);
   ASSERT_TRUE(globe);
@@ -163,8 +167,8 @@ GlobePatch patchAround(const glm::dvec3& middle, double angle_rad) {
 
 TEST_F(OpenGlobe, TellsWhereAnInsetIs) {
   OpenOptions options;
-  options.insets = {{file("alps.tif", {"EPSG:32632", 400000, 5200000, 100, 301, 201,
-                                       [](double, double) { return 1000.0; }}), 0}};
+  options.insets = {
+      {file("alps.tif", {"EPSG:32632", 400000, 5200000, 100, 301, 201, [](double, double) { return 1000.0; }}), 0}};
   const auto globe = opened({base}, options);
   ASSERT_TRUE(globe);
   EXPECT_NEAR(globe->info().inputs[0].spacing_m, 100, 0.2);
@@ -200,7 +204,8 @@ TEST_F(OpenGlobe, RefusesABaseThatIsNotAroundTheBody) {
   OpenOptions options;
   options.is_fenced = false;
   const std::string half = file("half.tif", {"EPSG:4326", -89, 89, 2, 90, 90, swells}),
-                    map = file("map.tif", {"EPSG:32632", 500000, 5150000, 30, 9, 9, [](double, double) { return 1.0; }});
+                    map =
+                        file("map.tif", {"EPSG:32632", 500000, 5150000, 30, 9, 9, [](double, double) { return 1.0; }});
   for (const auto& [path, words] : {std::pair(half, "around a globe"), std::pair(map, "latitude and longitude")}) {
     const auto refused = openGlobe({path}, options);
     ASSERT_FALSE(refused.ok());
