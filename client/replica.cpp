@@ -371,8 +371,10 @@ std::optional<double> Replica::heightAt(double x, double y) const {
     return std::nullopt;
   const glm::dvec2 p(x, y);
   HeightTriangle t = rootTriangle(grid, p);
+  const auto root_x = static_cast<uint32_t>(t.m.x + t.rot().x) >> shape.root_log2;
+  const auto vertex = [&](glm::dvec2 at) { return grid.nameIn(root_x, HeightTriangle::vertex(at)); };
   for (int level = 1; level <= grid.maxLevel(); ++level) {
-    if (!(nodes_.in(grid.slot(HeightTriangle::vertex(t.m))) & kInTo)) break;
+    if (!(nodes_.in(grid.slot(vertex(t.m))) & kInTo)) break;
     t = t.half(p);
   }
   const EndHeights heights = this->heights();
@@ -380,8 +382,7 @@ std::optional<double> Replica::heightAt(double x, double y) const {
     const auto known = knownHeight(v);
     return known ? std::optional(heights.at(v, *known, 1)) : std::nullopt;
   };
-  const auto a = height(HeightTriangle::vertex(t.m - t.d)), b = height(HeightTriangle::vertex(t.m + t.d)),
-             apex = height(HeightTriangle::vertex(t.m + t.rot()));
+  const auto a = height(vertex(t.m - t.d)), b = height(vertex(t.m + t.d)), apex = height(vertex(t.m + t.rot()));
   if (!a || !b || !apex) return std::nullopt;
   return glm::dot(t.weights(p), glm::dvec3(*a, *b, *apex)) * domain_->frame.transform().frame().height_quantum_m;
 }

@@ -28,6 +28,11 @@ MUTATIONS = [
     # topology
     of("diagonal: sign", "proto/topology/grid", "result.push(NodeId::at(x - s, y + up));", "result.push(NodeId::at(x - s, y - up));", GRID),
     of("data: off by one", "proto/topology/grid", "n.x() - s < shape_.samples_x - 1", "n.x() - s <= shape_.samples_x - 1", GRID),
+    of("seam: turned the other way", "proto/topology/cube", "other.x - quarters * dy", "other.x + quarters * dy", "proto_test:*CubeGrid*"),
+    of("seam: a page like any other", "proto/refine/page_neighbours", "place.y == last", "false", "proto_test:PageTopology*"),
+    of("seam: a triangle's number", "client/mesh/terrain", "level % 2 == 0 ? kOfCentre[i] : kOfSide[i]", "kOfSide[i]", "client_test:MeshPatches*"),
+    of("horizon: region ignored", "proto/refine/metric/horizon", "floor - stretch_ * view.region_radius_m", "floor", "proto_test:GlobeHorizon*"),
+    of("horizon: slack too long", "proto/refine/metric/horizon", "std::min(widest_, until_cone)", "widest_", "proto_test:GlobeHorizon*"),
     # bounds
     of("error: rounded down", "proto/section", "(eighths + kEach - 1) / kEach + 1", "(eighths + kEach - 1) / kEach",
        "proto_test:QuantisedError*"),
@@ -43,7 +48,7 @@ MUTATIONS = [
     # the test and its slack
     of("frustum: sign", "proto/refine/metric", "is_visible & (frustum_.sideDistance(p) + R >= 0)", "is_visible & (frustum_.sideDistance(p) - R >= 0)",
        "proto_test:MotionMargin*", FLIGHT),
-    of("region: radius ignored", "proto/refine/metric", "view.region_radius_m", "0.0", FLIGHT, "protocol_test"),
+    of("region: radius ignored", "proto/refine/metric/metric", "view.region_radius_m", "0.0", FLIGHT, "protocol_test"),
     of("region: angle ignored", "proto/refine/metric/frustum", "std::min(view.region_angle_rad, 1.5)", "0.0", FLIGHT, "protocol_test"),
     of("slack: side planes ignored", "proto/refine/metric/motion_margin", "passed ? std::min(visible_margin, n.side_margin) : -visible_margin",
        "passed ? visible_margin : -visible_margin", ADAPT),

@@ -68,6 +68,8 @@ glm::dvec2 JumpTour::latticeOf(const glm::dvec2& p) const {
 }
 
 Result<JumpTour> JumpTour::plan(const proto::FrameTransform& frame, const proto::GridShape& shape, double seconds) {
+  if (frame.frame().kind == proto::FrameKind::kGlobe)
+    return Error{ErrorCode::kUnsupported, "the tour 'jumps' is not planned over globes; choose another tour"};
   JumpTour tour(frame);
   const Rectangle data = rectangleOf(frame, shape);
   const std::vector<Kind> kinds = kindsFor(data);

@@ -4,6 +4,7 @@
 #include <glm/geometric.hpp>
 
 #include "client/mesh/patch/pack_normal.h"
+#include "proto/section/epochs.h"
 
 namespace foreland::oracle {
 
@@ -64,9 +65,15 @@ void MeshBuilder::addBaseVertices() {
 }
 
 void MeshBuilder::visitRoot(uint32_t root_x, uint32_t root_y) {
+  root_x_ = root_x;
+  const auto corner = [&](uint32_t east, uint32_t north) {
+    const uint32_t size = grid_.rootSize();
+    return proto::baseVertexNumber(
+        grid_, grid_.nameIn(root_x, proto::NodeId::at((root_x + east) * size, (root_y + north) * size)));
+  };
+  const uint32_t sw = corner(0, 0), se = corner(1, 0), nw = corner(0, 1), ne = corner(1, 1);
   const proto::GridShape& shape = grid_.shape();
-  const uint32_t row = shape.roots_x + 1, sw = root_y * row + root_x, se = sw + 1, nw = sw + row, ne = nw + 1;
-  const uint32_t centre = row * (shape.roots_y + 1) + root_y * shape.roots_x + root_x;
+  const uint32_t centre = (shape.roots_x + 1) * (shape.roots_y + 1) + root_y * shape.roots_x + root_x;
   const int32_t half = static_cast<int32_t>(grid_.rootSize() / 2), levels = grid_.maxLevel();
   const int32_t x = static_cast<int32_t>(root_x) * 2 * half + half, y = static_cast<int32_t>(root_y) * 2 * half + half;
   const uint8_t both = kInFrom | kInTo;
@@ -78,8 +85,7 @@ void MeshBuilder::visitRoot(uint32_t root_x, uint32_t root_y) {
 
 void MeshBuilder::visit(const Triangle& t) {
   HeldNodes::Index::Found node;
-  if (t.levels_below > 0)
-    node = nodes_.find(grid_.slot(proto::NodeId::at(static_cast<uint32_t>(t.m.x), static_cast<uint32_t>(t.m.y))));
+  if (t.levels_below > 0) node = nodes_.find(grid_.slot(nameOf(t.m)));
   if (const uint8_t is_leaf_in = t.in & ~node.in; is_leaf_in != 0) addNormals(is_leaf_in, t);
   if (node.in == 0) return emit(t.a, t.b, t.apex);
   const uint32_t v = vertexOf(t, node);
@@ -96,7 +102,8 @@ uint32_t MeshBuilder::vertexOf(const Triangle& t, const HeldNodes::Index::Found&
   if (index != kNoVertex) return index;
   index = static_cast<uint32_t>(vertices_.size());
   Vertex vertex{.drawn = {}, .endpoints = {t.a, t.b}, .in = node.in};
-  mesh_.parameters.emplace_back(static_cast<float>(t.m.x), static_cast<float>(t.m.y));
+  const proto::NodeId name = nameOf(t.m);
+  mesh_.parameters.emplace_back(static_cast<float>(name.x()), static_cast<float>(name.y()));
   const std::array<double, 2> weight = nodes_.weight(node);
   const auto position = [&](size_t s) { return positionAt(t.m, nodes_.height(node), s); };
   const auto displacement = [&](size_t s) {
@@ -115,13 +122,11 @@ uint32_t MeshBuilder::vertexOf(const Triangle& t, const HeldNodes::Index::Found&
 }
 
 GroundPoint MeshBuilder::positionAt(LatticePoint at, int32_t height, size_t end) const {
-  const proto::NodeId v = proto::NodeId::at(static_cast<uint32_t>(at.x), static_cast<uint32_t>(at.y));
-  return groundPointAt(domain_, heights_, v, height, end);
+  return groundPointAt(domain_, heights_, nameOf(at), height, end);
 }
 
 GroundPoint MeshBuilder::truePosition(LatticePoint at, size_t end) const {
-  const proto::NodeId v = proto::NodeId::at(static_cast<uint32_t>(at.x), static_cast<uint32_t>(at.y));
-  return positionAt(at, held_.records().height(v), end);
+  return positionAt(at, held_.records().height(nameOf(at)), end);
 }
 
 void MeshBuilder::addNormals(uint8_t sections, const Triangle& t) {

@@ -53,6 +53,9 @@ class MeshBuilder {
   };
 
   void addBaseVertices();
+  proto::NodeId nameOf(LatticePoint at) const {
+    return grid_.nameIn(root_x_, proto::NodeId::at(static_cast<uint32_t>(at.x), static_cast<uint32_t>(at.y)));
+  }
   void visitRoot(uint32_t root_x, uint32_t root_y);
   void visit(const Triangle& t);
   uint32_t vertexOf(const Triangle& t, const client::HeldNodes::Index::Found& node);
@@ -75,6 +78,7 @@ class MeshBuilder {
   client::KeyframeMesh& mesh_;
   const uint32_t order_;
   glm::vec2 limit_;                       // the data's last samples
+  uint32_t root_x_ = 0;                   // the column of the root that is visited
   std::vector<Vertex> vertices_;          // in the order of the descent, so that it finds recent ones in the cache
   std::vector<uint32_t> vertex_of_node_;  // by the node's position in the index; client::kNoVertex until it is reached
   std::map<std::array<uint32_t, 3>, uint32_t> cuts_;  // inside, outside, axis: the vertex on the border

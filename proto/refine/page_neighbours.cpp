@@ -57,11 +57,40 @@ const SlotBits& PageNeighbours::inSection(int level, const Place& place) const {
 
 SlotBits PageNeighbours::withChild(int level, const Place& place) const {
   if (level == grid_.maxLevel()) return {};
+  if (isAtSeam(level, place)) [[unlikely]]
+    return withChildAtSeam(level, firstOf(level, place));
   return isCentreLevel(level) ? centresWithChild(level, place) : sidesWithChild(level, place);
 }
 
 SlotBits PageNeighbours::withParents(int level, const Place& place) const {
+  if (isAtSeam(level, place)) [[unlikely]]
+    return withParentsAtSeam(level, firstOf(level, place));
   return isCentreLevel(level) ? centresWithParents(level, place) : sidesWithParents(level, place);
+}
+
+bool PageNeighbours::has(Slot slot) const {
+  const FrontierPage& page = nodes_.page(nodes_.find(slot));
+  return (of_ == Of::kSection ? page.in_section : page.knowledge.known).has(lowOf(slot));
+}
+
+SlotBits PageNeighbours::withChildAtSeam(int level, Slot first) const {
+  SlotBits out;
+  forEachNode(first, [&](uint8_t low, NodeId n) {
+    bool any = false;
+    for (const NodeId child : grid_.children(n, level)) any = any || has(grid_.slot(child, level + 1));
+    out.add(low, any);
+  });
+  return out;
+}
+
+SlotBits PageNeighbours::withParentsAtSeam(int level, Slot first) const {
+  SlotBits out;
+  forEachNode(first, [&](uint8_t low, NodeId n) {
+    bool all = true;
+    for (const NodeId parent : grid_.parents(n, level)) all = all && has(grid_.slot(parent, level - 1));
+    out.add(low, all);
+  });
+  return out;
 }
 
 // Children are the four sides of the cell, two of which are the next cells'.

@@ -7,6 +7,9 @@
 // lies along x, and 32 r + 2 c + 1 for the side on its left, along y. The sides to the right and above are the next
 // cells'.
 //
+// On a cube, pages along its edges are not laid beside those across; for these, and where a face is not larger than a
+// few pages, nodes are named one by one.
+//
 // Reads the nodes while it is used. Any thread that may read them. O(1).
 #pragma once
 
@@ -48,6 +51,22 @@ class PageNeighbours {
 
  private:
   static bool isCentreLevel(int level) { return (level & 1) == 0; }
+  // Whether neighbours of the page may not be laid beside it.
+  bool isAtSeam(int level, const Place& place) const {
+    if (!grid_.isCube()) [[likely]]
+      return false;
+    const auto last = static_cast<int32_t>(((1u << (static_cast<uint32_t>(level) >> 1)) >> 4) - 1);  // tile of a face
+    return last < 1 || (place.x & last) == 0 || (place.x & last) == last || place.y == 0 || place.y == last;
+  }
+  // Calls visit(low, node) for the nodes of a page.
+  template <class Visit>
+  void forEachNode(Slot first, const Visit& visit) const {
+    for (uint32_t low = 0; low < kPageSlots; ++low)
+      if (const NodeId n = grid_.node(first + low); !grid_.isBase(n)) visit(static_cast<uint8_t>(low), n);
+  }
+  bool has(Slot slot) const;
+  SlotBits withChildAtSeam(int level, Slot first) const;
+  SlotBits withParentsAtSeam(int level, Slot first) const;
   const SlotBits& inSection(int level, const Place& place) const;
   SlotBits centresWithChild(int level, const Place& place) const;
   SlotBits sidesWithChild(int level, const Place& place) const;
@@ -62,6 +81,13 @@ class PageNeighbours {
 template <class Visit>
 void PageNeighbours::childPages(int level, const Place& p, const SlotBits& some, const Visit& visit) const {
   if (level == grid_.maxLevel()) return;
+  if (isAtSeam(level, p)) [[unlikely]] {
+    some.forEach([&](uint8_t low) {
+      for (const NodeId child : grid_.children(grid_.node(firstOf(level, p) + low), level))
+        visit(grid_.slot(child, level + 1) & ~(kPageSlots - 1));
+    });
+    return;
+  }
   const auto visitAt = [&](int32_t x, int32_t y, int32_t half) {
     if (const Slot first = firstOf(level + 1, {x, y, half}); first != kNoSlot) visit(first);
   };
@@ -91,6 +117,13 @@ void PageNeighbours::childPages(int level, const Place& p, const SlotBits& some,
 template <class Visit>
 void PageNeighbours::parentPages(int level, const Place& p, const SlotBits& some, const Visit& visit) const {
   if (level == 1) return;
+  if (isAtSeam(level, p)) [[unlikely]] {
+    some.forEach([&](uint8_t low) {
+      for (const NodeId parent : grid_.parents(grid_.node(firstOf(level, p) + low), level))
+        visit(grid_.slot(parent, level - 1) & ~(kPageSlots - 1));
+    });
+    return;
+  }
   const auto visitAt = [&](int32_t x, int32_t y, int32_t half) {
     if (const Slot first = firstOf(level - 1, {x, y, half}); first != kNoSlot) visit(first);
   };

@@ -85,6 +85,12 @@ class Descent {
   // The sides of squares of 2s around the active centres.
   void sidesOf(int32_t s) {
     for (const LatticePoint p : scratch_.in_section) {
+      if (grid_.isCube()) {
+        const auto sides = grid_.children(idOf(p), level_ - 1);
+        push(sides.ids[1]);
+        push(sides.ids[3]);
+        continue;
+      }
       push({p.x + s, p.y});
       push({p.x, p.y + s});
       if (p.x == s) push({0, p.y});
@@ -94,14 +100,20 @@ class Descent {
   // The centres of squares of 2s to the right of the active sides, which are s away from them both ways.
   void centresOf(int32_t s) {
     for (const LatticePoint p : scratch_.in_section) {
+      if (grid_.isOnSeam(idOf(p))) {
+        for (const NodeId centre : grid_.children(idOf(p), level_ - 1))
+          if (grid_.apexes(centre, level_).ids[0] == idOf(p)) push(centre);
+        continue;
+      }
       if (p.x == max_x_) continue;
       if (p.y > 0) push({p.x + s, p.y - s});
       if (p.y < max_y_) push({p.x + s, p.y + s});
     }
   }
 
-  void push(LatticePoint p) {
-    batch_.push(idOf(p), grid_.slot(idOf(p)), level_);
+  void push(LatticePoint p) { push(idOf(p)); }
+  void push(NodeId n) {
+    batch_.push(n, grid_.slot(n), level_);
     if (batch_.full()) flush();
   }
 
@@ -161,7 +173,7 @@ void sortSlots(std::vector<Slot>& slots, std::vector<Slot>& other, Slot end) {
 
 bool refine(const TerrainDomain& domain, const StoredNodes& nodes, const View& view, size_t max_nodes,
             RefineScratch& scratch, Section& section, const HiddenBlocks* hidden) {
-  const Metric metric(view, domain.has_vertical_errors);
+  const Metric metric = domain.metric(view);
   const bool fits = Descent(domain, nodes, metric, scratch, hidden).run(max_nodes);
   if (!fits) return false;
   sortSlots(scratch.slots, scratch.sorted, domain.grid.slotCount());

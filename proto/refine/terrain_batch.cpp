@@ -98,6 +98,10 @@ void TerrainBatch::test(const TerrainDomain& domain, const Metric& metric, Vecto
   withPositions(domain, metric, [&]<class Positions>(const Positions& positions) {
     runLoop<Vectors::kAvx2>(vectors, count, Loops::Test<Positions>{*this, metric, positions});
   });
+  if (!metric.horizon().hidesAnything()) return;
+  const CurvedPositions at(domain, metric);
+  for (size_t i = 0; i < count; ++i)
+    if (passes[i] && metric.horizon().hides(at(x[i], y[i], height[i]), radius[i])) passes[i] = 0;
 }
 
 void TerrainBatch::locate(const TerrainDomain& domain, const Metric& metric, Vectors vectors) {
@@ -111,12 +115,37 @@ void TerrainBatch::findLeast(const Metric& metric, Vectors vectors) {
   runLoop<Vectors::kAvx512>(vectors, count, Loops::GuessLeast{*this, metric, is_sure.data()});
   for (size_t i = 0; i < count; ++i)
     if (!is_sure[i]) least[i] = static_cast<uint16_t>(metric.leastPassing(position(i), radius[i]));
+  if (!metric.horizon().hidesAnything()) return;
+  for (size_t i = 0; i < count; ++i)
+    if (least[i] != kNonePasses && metric.horizon().hides(position(i), radius[i])) least[i] = kNonePasses;
 }
 
 void TerrainBatch::testWithSlack(const Metric& metric, const MotionBound& motion, Vectors vectors) {
   lookUpErrors();
   const MotionBound pace = motion.isUnbounded() ? MotionBound::even() : motion;
   runLoop<Vectors::kAvx512>(vectors, count, Loops::TestWithSlack{*this, metric, pace});
+  if (metric.isOverGlobe()) limitByHorizon(metric.horizon());
+}
+
+// A node that passes does so no longer than the horizon lets it. One that fails for that alone does so until then; if
+// it fails in other ways, too, their slack will do.
+void TerrainBatch::limitByHorizon(const Horizon& horizon) {
+  for (size_t i = 0; i < count; ++i) {
+    if (!passes[i]) continue;
+    const NodePosition p = position(i);
+    const double safe = horizon.slack(p, radius[i]) * kSlackShare;
+    if (!horizon.hides(p, radius[i])) {
+      slack[i] = std::min(slack[i], static_cast<float>(safe));
+      continue;
+    }
+    passes[i] = 0;
+    slack[i] = static_cast<float>(safe);
+    const double distance = std::max(std::sqrt(p.x * p.x + p.y * p.y + p.z * p.z), Metric::kNearest_m);
+    constexpr auto kMotion = Sensitivity::kMotion;
+    constraint[i] =
+        MotionConstraint::of(static_cast<uint32_t>(kMotion),
+                             static_cast<float>(distance + MotionMargin::maxGrowthOfDistance(kMotion, safe)));
+  }
 }
 
 }  // namespace foreland::proto

@@ -64,6 +64,7 @@ struct TerrainBatch {
 
  private:
   struct Loops;
+  void limitByHorizon(const Horizon& horizon);
   // Calls use(positions) with those of a frame of this domain's kind.
   template <class Use>
   static void withPositions(const TerrainDomain& domain, const Metric& metric, const Use& use);

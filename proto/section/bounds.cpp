@@ -18,6 +18,10 @@ Spacing spacingOf(const GridTopology& grid, const Frame& frame) {
   const auto length = [](const glm::dvec2& axis) { return std::sqrt(axis.x * axis.x + axis.y * axis.y); };
   const glm::dvec2 &x = frame.axis_x_m, &y = frame.axis_y_m;
   if (frame.kind == FrameKind::kPlanar) return {std::max(length(x), length(y)), std::max(length(x + y), length(x - y))};
+  if (frame.kind == FrameKind::kGlobe) {  // a cube's tangents are steeper by their angle than 1.6 nowhere
+    const double along = 1.61 * frame.semi_major_m / frame.face_steps;
+    return {along, along * std::sqrt(2.0)};
+  }
   const double first = frame.latitude0_rad, last = first + grid.maxY() * frame.latitude_step_rad;
   const bool crosses_equator = (first < 0) != (last < 0);
   const double widest = crosses_equator ? 1 : std::max(sinCos(first).cos, sinCos(last).cos);

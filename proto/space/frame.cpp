@@ -48,6 +48,8 @@ Status Frame::validate(double max_x, double max_y) const {
     if (flattening > 0.1 || semi_major_m < 1e3 || semi_major_m > 1e9) return malformed("not a planet's ellipsoid");
     if (!std::has_single_bit(face_steps) || max_x != 6.0 * face_steps || max_y != face_steps)
       return malformed("the faces do not fit the lattice");
+    if (!(std::fabs(origin.height_m) < 0.1 * semi_major_m))
+      return malformed("the lowest ground is not near the surface");
     return {};
   }
   if (kind != FrameKind::kGeographic) return malformed("unknown kind");

@@ -52,8 +52,10 @@ struct Frame {
   double semi_major_m = 6378137.0, flattening = 1 / 298.257223563;
   Geodetic origin;
 
-  // Globe: lattice steps a side of a face, a power of two; the ellipsoid is semi_major_m's.
+  // Globe: lattice steps a side of a face, a power of two. The ellipsoid is semi_major_m's; of the origin the height
+  // counts alone, which no ground lies below.
   uint32_t face_steps = 0;
+  double floor() const { return origin.height_m; }
 
   // Whether latitude and longitude are known of every position.
   bool isOnEllipsoid() const { return kind != FrameKind::kPlanar; }

@@ -25,9 +25,9 @@ struct CubePlace {
   bool operator==(const CubePlace&) const = default;
 };
 
-// A node's places on the one or two squares that hold it.
+// A vertex's places on the squares that hold it: two for points of edges, three for corners.
 struct CubePlaces {
-  CubePlace at[2];
+  CubePlace at[3];
   int count = 0;
   void push(const CubePlace& p) { at[count++] = p; }
   const CubePlace* begin() const { return at; }
@@ -62,16 +62,20 @@ class Cube {
 
   // Whether the point, by its own name, lies on an edge or a corner of the cube.
   bool isOnSeam(NodeId n) const { return (n.x() & (static_cast<uint32_t>(side_) - 1)) == 0 || n.y() == 0; }
-  // A node's place by its name, then the one on the other face if it lies on an edge. Not for corners.
+  // A vertex's place by its name, then those on other faces.
   CubePlaces placesOf(NodeId n) const {
     const CubePlace own = placeOf(n);
     CubePlaces places;
     places.push(own);
     const bool is_first = (own.face & 1) == 0;
+    if (own.x == side_ || own.y == side_) {  // one of the corners that no face names
+      for (const uint32_t steps : {2u, 4u}) places.push({after(own.face, steps), own.x, own.y});
+      return places;
+    }
     if (own.x == 0)
       places.push(is_first ? CubePlace{before(own.face, 2), side_ - own.y, side_}
                            : CubePlace{before(own.face, 1), side_, own.y});
-    else if (own.y == 0)
+    if (own.y == 0)
       places.push(is_first ? CubePlace{before(own.face, 1), own.x, side_}
                            : CubePlace{before(own.face, 2), side_, side_ - own.x});
     return places;

@@ -110,8 +110,12 @@ class GridTopology {
     return level_offset_[page.level] + ((tile << sides | (page.row & sides)) * kPageSlots);
   }
 
-  // Whether it names a vertex. Of a cube's it may name one that has another name.
-  bool contains(NodeId n) const { return n.x() <= maxX() && n.y() <= maxY(); }
+  // Whether it names a vertex.
+  bool contains(NodeId n) const {
+    if (isCube()) [[unlikely]]
+      return n.x() < maxX() ? n.y() < maxY() || n == NodeId::at(0, maxY()) : n == NodeId::at(maxX(), 0);
+    return n.x() <= maxX() && n.y() <= maxY();
+  }
   // Whether a node lies on an edge of a cube.
   bool isOnSeam(NodeId n) const { return isCube() && cube().isOnSeam(n); }
   // The vertex at (x, y) on the square of root `root_x` (and of any row), which may lie on its far sides: its name.
@@ -224,7 +228,7 @@ class GridTopology {
     const uint32_t t = scaleLog2At(level), s = 1u << t;
     const NodeId n =
         NodeId::at((cell.x << (t + 1)) + (s & (along_y - 1)), (cell.y << (t + 1)) + (s & ((sides & ~along_y) - 1)));
-    return (isCube() ? n.x() < maxX() && n.y() < maxY() : contains(n)) ? n : NodeId{};
+    return contains(n) ? n : NodeId{};
   }
 
   // node() for the slots of one page (kPageSlots, which are all of one level), by their index in it; not for padding.

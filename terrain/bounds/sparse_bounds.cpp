@@ -36,9 +36,11 @@ std::vector<std::vector<StoredPage>> pagesByLevel(const proto::GridTopology& gri
   return levels;
 }
 
-// A node and the height of the surface there.
+// A position of the lattice, on the square of a column of roots that it may only border, and the height of the surface
+// there.
 struct Vertex {
   NodeId id;
+  uint32_t root_x;
   int32_t quanta;
 };
 
@@ -145,29 +147,53 @@ class Bounds {
   };
   struct Space {
     using Value = glm::dvec3;
-    static glm::dvec3 at(const Bounds& bounds, const Vertex& v) { return bounds.positions_.position(v.id, v.quanta); }
+    static glm::dvec3 at(const Bounds& bounds, const Vertex& v) {
+      return bounds.positions_.position(bounds.grid_.nameIn(v.root_x, v.id), v.quanta);
+    }
     static double distance(const glm::dvec3& a, const glm::dvec3& b) { return glm::distance(a, b); }
     // As GeographicError: what is less than rounding is nothing.
     static double metres(double distance_m, const proto::Frame&) { return distance_m > 2e-8 ? distance_m + 5e-8 : 0; }
   };
 
+  // The triangles beside a node's edge, each on the square of the column of roots that holds it, by positions there.
+  template <class Visit>
+  void forEachTriangle(NodeId n, int level, const Visit& visit) const {
+    if (!grid_.isCube()) {
+      const auto ends = grid_.endpoints(n, level);
+      for (const NodeId top : grid_.apexes(n, level)) visit(0, SupportTriangle(n, ends, top));
+      return;
+    }
+    const int32_t s = 1 << grid_.scaleLog2(n);
+    const proto::Cube cube = grid_.cube();
+    for (const proto::CubePlace& at : cube.placesOf(n)) {
+      const bool is_centre = (at.x & at.y & s) != 0, rises = ((at.x ^ at.y) & 2 * s) == 0;
+      const int32_t dx = at.x & s, dy = is_centre ? (rises ? s : -s) : at.y & s;
+      const auto vertex = [&](int32_t east, int32_t north) {
+        return NodeId::at((at.face << grid_.shape().root_log2) + static_cast<uint32_t>(at.x + east),
+                          static_cast<uint32_t>(at.y + north));
+      };
+      for (const int32_t side : {-1, 1})
+        if (cube.isWithin({at.face, at.x - side * dy, at.y + side * dx}))
+          visit(at.face,
+                SupportTriangle(vertex(0, 0), {vertex(-dx, -dy), vertex(dx, dy)}, vertex(-side * dy, side * dx)));
+    }
+  }
   double errorOf(NodeId n, int level) const {
     return job_.frame.kind == proto::FrameKind::kPlanar ? errorIn<Heights>(n, level) : errorIn<Space>(n, level);
   }
   template <class In>
   double errorIn(NodeId n, int level) const {
-    const auto ends = grid_.endpoints(n, level);
-    const Vertex a{ends[0], heightOf(ends[0])}, b{ends[1], heightOf(ends[1])};
     double worst = 0;
-    for (const NodeId top : grid_.apexes(n, level)) {
-      const Vertex apex{top, heightOf(top)};
-      const auto plane = SupportTriangle(n, ends, top).plane(In::at(*this, a), In::at(*this, b), In::at(*this, apex));
+    forEachTriangle(n, level, [&](uint32_t root_x, const SupportTriangle& t) {
+      const auto vertex = [&](NodeId at) { return Vertex{at, root_x, heightOf(grid_.nameIn(root_x, at))}; };
+      const Vertex a = vertex(t.a), b = vertex(t.b), apex = vertex(t.apex);
+      const auto plane = t.plane(In::at(*this, a), In::at(*this, b), In::at(*this, apex));
       const auto measure = [&](const Vertex& v) {
-        const auto dx = static_cast<int32_t>(v.id.x() - n.x()), dy = static_cast<int32_t>(v.id.y() - n.y());
+        const auto dx = static_cast<int32_t>(v.id.x() - t.node.x()), dy = static_cast<int32_t>(v.id.y() - t.node.y());
         worst = std::max(worst, In::distance(In::at(*this, v), plane.at(dx, dy)));
       };
       descend(a, b, apex, level, measure);
-    }
+    });
     return In::metres(worst, job_.frame);
   }
 
@@ -176,9 +202,9 @@ class Bounds {
   template <class Measure>
   void descend(const Vertex& a, const Vertex& b, const Vertex& apex, int level, const Measure& measure) const {
     const NodeId middle = NodeId::at((a.id.x() + b.id.x()) / 2, (a.id.y() + b.id.y()) / 2);
-    const NodeRecord* record = level <= grid_.maxLevel() ? find(middle, level) : nullptr;
+    const NodeRecord* record = level <= grid_.maxLevel() ? find(grid_.nameIn(a.root_x, middle), level) : nullptr;
     if (!record) return measureBeyond({&a, &b, &apex}, measure);
-    const Vertex m{middle, record->height()};
+    const Vertex m{middle, a.root_x, record->height()};
     if (isData(middle)) measure(m);
     descend(a, apex, m, level + 1, measure);
     descend(b, apex, m, level + 1, measure);

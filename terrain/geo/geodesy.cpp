@@ -56,6 +56,8 @@ glm::dvec2 metresPerRadian(const Ellipsoid& ellipsoid, double latitude_rad) {
 
 glm::dvec2 sampleSpacing(const proto::Frame& frame, uint32_t width, uint32_t height) {
   if (frame.kind == proto::FrameKind::kPlanar) return {glm::length(frame.axis_x_m), glm::length(frame.axis_y_m)};
+  if (frame.kind == proto::FrameKind::kGlobe)  // a quarter of the equator is as long as a face, whatever its cells
+    return glm::dvec2(0.5 * std::numbers::pi * frame.semi_major_m / frame.face_steps);
   (void)width;  // the same along a parallel
   const double latitude = frame.latitude0_rad + 0.5 * height * frame.latitude_step_rad;
   const glm::dvec2 metres = metresPerRadian({frame.semi_major_m, frame.flattening}, latitude);

@@ -78,7 +78,10 @@ BaseVertices baseOf(const SparseGround& ground) {
   const uint32_t size = 1u << shape.root_log2;
   BaseVertices base;
   for (uint32_t y = 0; y <= shape.roots_y; ++y)
-    for (uint32_t x = 0; x <= shape.roots_x; ++x) base.corners.push_back(ground.height(NodeId::at(x * size, y * size)));
+    for (uint32_t x = 0; x <= shape.roots_x; ++x) {
+      const uint32_t root_x = std::min(x, shape.roots_x - 1);
+      base.corners.push_back(ground.height(ground.grid.nameIn(root_x, NodeId::at(x * size, y * size))));
+    }
   for (uint32_t y = 0; y < shape.roots_y; ++y)
     for (uint32_t x = 0; x < shape.roots_x; ++x)
       base.centres.push_back(ground.height(NodeId::at(x * size + size / 2, y * size + size / 2)));
@@ -137,9 +140,11 @@ Result<BuildReport> buildSparseScene(const SparseGround& ground, const SparseOpt
                             .onProgress = onProgress}))
     return Error{ErrorCode::kIo, "stopped before the scene was complete; nothing was written"};
   const Found found = find(grid, *pages, base, records);
+  proto::Frame frame = ground.frame;
+  if (frame.kind == proto::FrameKind::kGlobe) frame.origin.height_m = found.range.lowest * frame.height_quantum_m;
   progress.report("writing", 0);
   auto writer = SceneWriter::create(options.output, {.shape = grid.shape(),
-                                                     .frame = ground.frame,
+                                                     .frame = frame,
                                                      .heights = found.range,
                                                      .origin = options.origin,
                                                      .datum = options.datum,

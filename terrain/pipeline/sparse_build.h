@@ -29,7 +29,7 @@ using IsWanted = std::function<bool(uint32_t spacing, const proto::LatticeWindow
 
 struct SparseGround {
   const proto::GridTopology& grid;
-  proto::Frame frame;  // with its height quantum
+  proto::Frame frame;  // with its height quantum; a globe's gets the lowest ground (Frame::floor)
   // The pages that shall be there, by any of their slots, as pagesWhere() lists them; those of whole levels, and those
   // of the parents of their nodes, need not be among them.
   std::vector<proto::Slot> pages;

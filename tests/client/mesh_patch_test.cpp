@@ -6,12 +6,15 @@
 #include <array>
 #include <cmath>
 #include <optional>
+#include <set>
+#include <utility>
 
 #include "client/mesh/patch/blend_patch.h"
 #include "client/replica.h"
 #include "oracle/reference/whole_mesh.h"
 #include "server/section/sender.h"
 #include "server/session/world.h"
+#include "tests/support/globe_scene.h"
 #include "tests/support/same_mesh.h"
 #include "tests/support/scene.h"
 #include "tests/support/seed.h"
@@ -68,9 +71,16 @@ class MeshPatches : public testing::Test {
   void begin(proto::FrameKind kind, size_t epochs) {
     const auto samples_x = static_cast<uint32_t>(100 + rng_.below(80)),
                samples_y = static_cast<uint32_t>(90 + rng_.below(80));
+    if (kind == proto::FrameKind::kGlobe)
+      return begin(makeGlobeScene(7, seed_, static_cast<uint32_t>(rng_.below(2)) * 5), 0);
     scene_ = epochs > 0 ? makeMovingScene(samples_x, samples_y, seed_, epochs, kind)
                         : makeScene(samples_x, samples_y, seed_, kind);
-    hierarchy_.emplace(scene_, proto::ErrorBound::kSpheroid, objectsIn(*scene_, 6));
+    begin(scene_, 6);
+  }
+  void begin(std::shared_ptr<const terrain::Scene> scene, size_t objects) {
+    scene_ = std::move(scene);
+    hierarchy_.emplace(scene_, proto::ErrorBound::kSpheroid,
+                       objects > 0 ? objectsIn(*scene_, objects) : decltype(objectsIn(*scene_, objects)){});
     sender_.emplace(*hierarchy_);
     replica_.emplace(server::welcomeTo(*hierarchy_));
     shown_ = {};
@@ -160,6 +170,33 @@ TEST_F(MeshPatches, MakeTheMeshThatIsMadeAnew) {
       }
     }
   EXPECT_LT(3 * whole_, all_) << "most meshes should follow from the last one";
+}
+
+// Each edge has a triangle on either side, once each way round.
+::testing::AssertionResult isClosed(const client::BlendMesh& mesh) {
+  std::set<std::pair<uint32_t, uint32_t>> edges;
+  for (size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {
+    const std::array corners{mesh.indices[i], mesh.indices[i + 1], mesh.indices[i + 2]};
+    if (corners[0] == corners[1] && corners[0] == corners[2]) continue;
+    for (size_t k = 0; k < 3; ++k)
+      if (!edges.emplace(corners[k], corners[(k + 1) % 3]).second)
+        return ::testing::AssertionFailure() << "an edge has two triangles on one side";
+  }
+  for (const auto& [a, b] : edges)
+    if (!edges.contains({b, a})) return ::testing::AssertionFailure() << "an edge has a triangle on one side only";
+  return ::testing::AssertionSuccess();
+}
+
+TEST_F(MeshPatches, OfAGlobeAreClosedWhereverTheyChange) {
+  for (Blend blend : client::kBlends) {
+    begin(proto::FrameKind::kGlobe, 0);
+    Wanderer wanderer(*hierarchy_, rng_.below(1u << 30));
+    for (int i = 0; i < 60; ++i) {
+      keyframe(wanderer.next(), blend);
+      ASSERT_NO_FATAL_FAILURE(expectSame()) << "mesh " << i << ", " << client::name(blend);
+      ASSERT_TRUE(isClosed(shown_)) << "mesh " << i << ", " << client::name(blend);
+    }
+  }
 }
 
 // Without what it has moved, the ground is drawn as the first epoch's is at the same views: sections do not depend on

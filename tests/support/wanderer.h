@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cmath>
+#include <glm/geometric.hpp>
 
 #include "base/rng.h"
 #include "server/section/hierarchy.h"
@@ -13,8 +14,14 @@ namespace foreland::test {
 inline proto::View viewAt(const server::Hierarchy& h, double x, double y, double height, double yaw, double pitch) {
   proto::View view;
   view.pose.eye = h.frame().transform().toScene(proto::LatticePosition{x, y, height});
-  view.pose.orientation =
-      proto::lookAlong({std::cos(yaw) * std::cos(pitch), std::sin(yaw) * std::cos(pitch), std::sin(pitch)}, {0, 0, 1});
+  glm::dvec3 ahead(std::cos(yaw) * std::cos(pitch), std::sin(yaw) * std::cos(pitch), std::sin(pitch)), up(0, 0, 1);
+  if (h.grid().isCube()) {  // by the ground below
+    up = h.frame().transform().upAt(view.pose.eye);
+    const glm::dvec3 east =
+        glm::normalize(glm::cross(std::fabs(up.z) < 0.9 ? glm::dvec3(0, 0, 1) : glm::dvec3(1, 0, 0), up));
+    ahead = ahead.x * east + ahead.y * glm::cross(up, east) + ahead.z * up;
+  }
+  view.pose.orientation = proto::lookAlong(ahead, up);
   view.lens = {1.0, 640, 360};
   return view;
 }

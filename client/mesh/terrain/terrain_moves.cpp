@@ -115,13 +115,15 @@ void TerrainPatcher::collectMoves(const Slots& candidates, End end) {
 // missing, those that are nearer are, too.
 void TerrainPatcher::addDependents(uint32_t v, Slots& out) const {
   const NodeId id = vertices_[v].id;
+  if (grid_.isOnSeam(id)) return addDependentsAcross(id, out);
   for (int dy = -1; dy <= 1; ++dy)
     for (int dx = -1; dx <= 1; ++dx) {
       if (dx == 0 && dy == 0) continue;
       for (uint32_t distance = 1u << grid_.scaleLog2(id); distance >>= 1;) {
         const int64_t x = int64_t{id.x()} + dx * int64_t{distance}, y = int64_t{id.y()} + dy * int64_t{distance};
         if (x < 0 || y < 0) break;
-        const NodeId n = NodeId::at(static_cast<uint32_t>(x), static_cast<uint32_t>(y));
+        const NodeId n = grid_.nameIn(id.x() >> grid_.shape().root_log2,
+                                      NodeId::at(static_cast<uint32_t>(x), static_cast<uint32_t>(y)));
         if (!grid_.contains(n)) break;
         const Slot slot = grid_.slot(n);
         if (vertices_.find(slot) == kNoVertex) break;
@@ -129,6 +131,25 @@ void TerrainPatcher::addDependents(uint32_t v, Slots& out) const {
         if (ends[0] == id || ends[1] == id) out.push_back(slot);
       }
     }
+}
+
+// The same of a vertex on an edge or a corner of the cube, on each square that holds it. Nodes along edges come twice.
+void TerrainPatcher::addDependentsAcross(NodeId id, Slots& out) const {
+  const proto::Cube cube = grid_.cube();
+  for (const proto::CubePlace& place : cube.placesOf(id))
+    for (int dy = -1; dy <= 1; ++dy)
+      for (int dx = -1; dx <= 1; ++dx) {
+        if (dx == 0 && dy == 0) continue;
+        for (int32_t distance = 1 << grid_.scaleLog2(id); distance >>= 1;) {
+          const proto::CubePlace there{place.face, place.x + dx * distance, place.y + dy * distance};
+          if (!cube.isWithin(there)) break;
+          const NodeId n = cube.name(there);
+          const Slot slot = grid_.slot(n);
+          if (vertices_.find(slot) == kNoVertex) break;
+          const auto ends = grid_.endpoints(n);
+          if (ends[0] == id || ends[1] == id) out.push_back(slot);
+        }
+      }
 }
 
 DrawnPosition<GroundPoint> TerrainPatcher::willBeAt(uint32_t v) const {

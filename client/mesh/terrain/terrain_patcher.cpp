@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "base/check.h"
+#include "proto/section/epochs.h"
 
 namespace foreland::client {
 
@@ -16,11 +17,10 @@ namespace {
 // How the diamond's corners are numbered around a node (terrain_vertices.h).
 bool isOnSide(NodeId n, uint32_t scale_log2) { return ((n.x() >> scale_log2) & (n.y() >> scale_log2) & 1) == 0; }
 
-uint8_t firstApexOf(const proto::GridTopology& grid, NodeId n) {
-  const uint32_t t = grid.scaleLog2(n);
-  const auto [a, b] = grid.endpoints(n);
-  if (isOnSide(n, t)) return a.y() == n.y() ? 1 : 0;  // endpoints west and east: apexes are corners 1 and 3
-  return (a.x() < b.x()) == (a.y() < b.y()) ? 1 : 0;  // endpoints south-west and north-east
+// Corners 1 and 3 are apexes if the endpoints are west and east, or south-west and north-east.
+uint8_t firstApexOf(NodeId n, uint32_t scale_log2) {
+  const uint32_t x = n.x() >> scale_log2, y = n.y() >> scale_log2;
+  return static_cast<uint8_t>((y & 1) == 0 || ((x & 1) != 0 && ((x ^ y) & 2) == 0) ? 1 : 0);
 }
 
 // The number of the corner at `corner` in the diamond around n.
@@ -36,6 +36,12 @@ std::vector<Slot> unionOf(std::span<const Slot> a, std::span<const Slot> b) {
   out.reserve(a.size() + b.size());
   std::set_union(a.begin(), a.end(), b.begin(), b.end(), std::back_inserter(out));
   return out;
+}
+
+// The number of the corner where apexes() has its first or second apex, if it has two.
+uint32_t cornerOfApex(int i, uint8_t first_apex, bool is_on_side) {
+  const bool is_falling_back = (i == 0) == (is_on_side || first_apex == 0);
+  return first_apex + (is_falling_back ? 2u : 0u);
 }
 
 // The number of the triangle of an apex that a child halves which has the apex as its corner `corner`.
@@ -165,10 +171,23 @@ uint32_t TerrainPatcher::placeOf(NodeId v) const {
   return cornerCount() + (v.y() >> shape.root_log2) * shape.roots_x + (v.x() >> shape.root_log2);
 }
 
+// On a cube, where either lies on an edge, so that the one's square may be turned against the other's: the number of
+// the apex's triangle that a child halves.
+uint32_t TerrainPatcher::triangleAcross(NodeId apex, NodeId child) const {
+  const int level = grid_.level(apex);
+  const proto::NodeList<4> children = grid_.children(apex, level);
+  static constexpr uint8_t kOfCentre[] = {1, 3, 2, 0}, kOfSide[] = {2, 3, 1, 0};  // in the order of children()
+  const auto i = std::find(children.begin(), children.end(), child) - children.begin();
+  return level % 2 == 0 ? kOfCentre[i] : kOfSide[i];
+}
+
 void TerrainPatcher::addRootTriangles(uint32_t root_x, uint32_t root_y) {
-  const uint32_t size = grid_.rootSize(), row = grid_.shape().roots_x + 1, south_west = root_y * row + root_x;
-  const uint32_t centre = placeOf(NodeId::at(root_x * size + size / 2, root_y * size + size / 2));
-  vertices_[centre].ring = {south_west + row + 1, south_west + row, south_west, south_west + 1};
+  const uint32_t size = grid_.rootSize(), x = root_x * size, y = root_y * size;
+  const auto corner = [&](uint32_t east, uint32_t north) {
+    return proto::baseVertexNumber(grid_, grid_.nameIn(root_x, NodeId::at(x + east, y + north)));
+  };
+  const uint32_t centre = placeOf(NodeId::at(x + size / 2, y + size / 2));
+  vertices_[centre].ring = {corner(size, size), corner(0, size), corner(0, 0), corner(size, 0)};
   for (uint32_t q = 0; q < 4; ++q) {
     setLeaf(centre, q);
     addNormal(vertices_[centre].ring[q], vertices_[centre].ring[(q + 1) % 4], centre, 1);
@@ -239,18 +258,23 @@ void TerrainPatcher::split(const Entering& entering) {
   const uint32_t v = vertices_.add();
   vertices_.insert(entering.slot, v);
   const NodeId id = entering.id;
-  const bool is_on_side = isOnSide(id, grid_.scaleLog2(id));
+  const uint32_t scale = grid_.scaleLog2(id);
+  const bool is_on_side = isOnSide(id, scale);
   TerrainVertex vertex;
   vertex.is_used = true;
   vertex.id = id;
-  vertex.first_apex = firstApexOf(grid_, id);
+  vertex.first_apex = firstApexOf(id, scale);
   const glm::vec2 parameter(static_cast<float>(id.x()), static_cast<float>(id.y()));
   vertex.is_beyond = parameter.x > limit_.x || parameter.y > limit_.y;
   const proto::NodeList<2> apexes = grid_.apexes(id);
   for (int i = 0; i < apexes.count; ++i) {
     const uint32_t found = entering.apexes[static_cast<size_t>(i)],
                    p = found != kNoVertex ? found : placeOf(apexes.ids[i]);
-    const uint32_t corner = cornerAt(id, apexes.ids[i], is_on_side), q = triangleOf(corner, is_on_side);
+    const NodeId apex = apexes.ids[i];
+    const uint32_t corner =
+        grid_.isCube() ? cornerOfApex(i, vertex.first_apex, is_on_side) : cornerAt(id, apex, is_on_side);
+    const bool is_across = grid_.isOnSeam(id) || grid_.isOnSeam(apex);
+    const uint32_t q = is_across ? triangleAcross(apex, id) : triangleOf(corner, is_on_side);
     dropLeaf(p, q);
     TerrainVertex& parent = vertices_[p];
     parent.links[q] = Link::of(Link::Kind::kChild, v);
@@ -285,10 +309,14 @@ void TerrainPatcher::fetchTriangles(uint32_t v) const {
 }
 
 void TerrainPatcher::merge(Slot slot, uint32_t v) {
-  const bool is_on_side = isOnSide(vertices_[v].id, grid_.scaleLog2(vertices_[v].id));
   for (uint32_t q = 0; q < 4; ++q) dropLeaf(v, q);
-  for (uint32_t corner : {uint32_t{vertices_[v].first_apex}, vertices_[v].first_apex + 2u})
-    if (vertices_[v].ring[corner] != kNoVertex) setLeaf(vertices_[v].ring[corner], triangleOf(corner, is_on_side));
+  for (uint32_t corner : {uint32_t{vertices_[v].first_apex}, vertices_[v].first_apex + 2u}) {
+    const uint32_t apex = vertices_[v].ring[corner];
+    if (apex == kNoVertex) continue;
+    uint32_t q = 0;
+    while (vertices_[apex].links[q].bits != Link::of(Link::Kind::kChild, v).bits) ++q;
+    setLeaf(apex, q);
+  }
   vertices_.erase(slot);
   vertices_.remove(v);
 }

@@ -87,6 +87,7 @@ class TerrainPatcher {
   void addBaseVertices();
   void addRootTriangles(uint32_t root_x, uint32_t root_y);
   uint32_t placeOf(proto::NodeId v) const;
+  uint32_t triangleAcross(proto::NodeId apex, proto::NodeId child) const;
 
   // These functions change the union of both ends' sections.
   void splitUnion(const Slots& slots);
@@ -117,6 +118,7 @@ class TerrainPatcher {
   bool collectBaseMoves(End end);
   bool addMove(const Move& move);
   void addDependents(uint32_t v, Slots& out) const;
+  void addDependentsAcross(proto::NodeId id, Slots& out) const;
   void makeMoves();
   void addStars(double sign);
   void sumAllNormals();

@@ -9,6 +9,11 @@ Metric::Metric(const View& view, bool vertical_errors)
       any_direction_(vertical_errors ? 0 : std::numeric_limits<double>::infinity()),
       region_radius_(view.region_radius_m) {}
 
+Metric::Metric(const View& view, const Frame& globe) : Metric(view, false) {
+  horizon_ = Horizon(globe, view, frustum_);
+  is_over_globe_ = true;
+}
+
 int Metric::leastPassing(const NodePosition& p, double radius_m) const {
   const double guess_m = minError(p, radius_m);
   if (guess_m == std::numeric_limits<double>::infinity()) return 256;

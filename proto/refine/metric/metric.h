@@ -23,6 +23,7 @@
 #include <limits>
 
 #include "proto/refine/metric/frustum.h"
+#include "proto/refine/metric/horizon.h"
 #include "proto/section/bounds.h"
 #include "proto/space/view.h"
 
@@ -37,6 +38,10 @@ class Metric {
  public:
   // With `vertical_errors` errors point up or down, else anywhere.
   Metric(const View& view, bool vertical_errors);
+  // On a globe, whose horizon horizon() knows: a node that it hides is not needed, whatever the functions below say.
+  Metric(const View& view, const Frame& globe);
+  const Horizon& horizon() const { return horizon_; }
+  bool isOverGlobe() const { return is_over_globe_; }
 
   const Frustum& frustum() const { return frustum_; }
   const glm::dvec3& eye() const { return eye_; }
@@ -88,6 +93,8 @@ class Metric {
   double focal_over_tau_;
   double any_direction_;  // 0 for vertical errors; infinite for others, which makes the vertical condition hold
   double region_radius_;
+  Horizon horizon_;
+  bool is_over_globe_ = false;
 };
 
 }  // namespace foreland::proto

@@ -31,7 +31,10 @@ struct TerrainDomain {
         has_vertical_errors(f.kind == FrameKind::kPlanar && bound == ErrorBound::kSpheroid) {}
 
   const GridTopology& topology() const { return grid; }
-  Metric metric(const View& view) const { return Metric(view, has_vertical_errors); }
+  Metric metric(const View& view) const {
+    const Frame& f = frame.transform().frame();
+    return f.kind == FrameKind::kGlobe ? Metric(view, f) : Metric(view, has_vertical_errors);
+  }
   MotionBound motionBound(const View& from, const View& to) const {
     return MotionMargin(metric(from)).motionBoundTo(from, to);
   }

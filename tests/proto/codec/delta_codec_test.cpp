@@ -55,7 +55,8 @@ TEST(DeltaCodec, BothEndsEndWhereRefinementFromScratchDoes) {
   const uint64_t seed = testing::UnitTest::GetInstance()->random_seed();
   Rng rng(seed);
   for (const GridShape& shape : {GridShape{3, 2, 4, 45, 30}, GridShape{1, 1, 6, 65, 65}, GridShape{5, 5, 1, 11, 10},
-                                 GridShape{1, 1, 7, 129, 129, 7}, GridShape{2, 1, 6, 100, 60, 10}}) {
+                                 GridShape{1, 1, 7, 129, 129, 7}, GridShape{2, 1, 6, 100, 60, 10},
+                                 GridTopology::cubeShape(5), GridTopology::cubeShape(6, 7)}) {
     const test::ToyTerrain terrain(shape, rng.next());
     Server server(terrain);
     Client client(terrain);

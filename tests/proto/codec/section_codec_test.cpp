@@ -13,11 +13,14 @@ namespace foreland::proto {
 namespace {
 
 // All levels are whole, or some are sparse.
-class SectionCodec : public testing::TestWithParam<uint32_t> {
+class SectionCodec : public testing::TestWithParam<GridShape> {
  protected:
-  static GridTopology grid() { return std::move(GridTopology::create({2, 1, 5, 65, 33, GetParam()})).value(); }
+  static GridTopology grid() { return std::move(GridTopology::create(GetParam())).value(); }
 };
-INSTANTIATE_TEST_SUITE_P(Sparse, SectionCodec, testing::Values(0, 5, 8));
+INSTANTIATE_TEST_SUITE_P(Sparse, SectionCodec,
+                         testing::Values(GridShape{2, 1, 5, 65, 33}, GridShape{2, 1, 5, 65, 33, 5},
+                                         GridShape{2, 1, 5, 65, 33, 8}, GridTopology::cubeShape(4),
+                                         GridTopology::cubeShape(5, 6)));
 
 bool hasParents(const GridTopology& topology, const std::set<Slot>& slots, NodeId n) {
   const auto parents = topology.parents(n);

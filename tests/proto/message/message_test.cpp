@@ -277,6 +277,33 @@ TEST(Message, AWelcomeTellsThePosesOfModels) {
   EXPECT_TRUE(isRefused([](Welcome& w) { w.epochs.clear(); }));
 }
 
+// A globe's shape is a cube's, and its frame knows the cube: neither is said twice.
+TEST(Message, AWelcomeTellsOfAGlobe) {
+  Welcome sent;
+  sent.shape = GridTopology::cubeShape(7, 5);
+  sent.frame.kind = FrameKind::kGlobe;
+  sent.frame.face_steps = 1u << 7;
+  sent.frame.origin.height_m = -11'000;
+  sent.corner_heights.assign(14, 3);
+  sent.centre_heights.assign(6, 4);
+  sent.tau_px = 1;
+  sent.keyframe_interval = Duration::milliseconds(100);
+  const auto message = decodeServerMessage(encode(sent));
+  ASSERT_TRUE(message.ok()) << message.error().message;
+  EXPECT_EQ(std::get<Welcome>(*message).shape, sent.shape);
+  EXPECT_EQ(std::get<Welcome>(*message).frame, sent.frame);
+  const auto isRefused = [&](const auto& spoil) {
+    Welcome wrong = sent;
+    spoil(wrong);
+    return !decodeServerMessage(encode(wrong)).ok();
+  };
+  EXPECT_TRUE(isRefused([](Welcome& w) { w.shape.roots_y = 2; }));
+  EXPECT_TRUE(isRefused([](Welcome& w) { w.shape.samples_x -= 1; }));
+  EXPECT_TRUE(isRefused([](Welcome& w) { w.frame.origin.height_m = -1e6; }));
+  EXPECT_TRUE(isRefused([](Welcome& w) { w.frame.flattening = 0.2; }));
+  EXPECT_TRUE(isRefused([](Welcome& w) { w.corner_heights.pop_back(); }));
+}
+
 TEST(Message, AWelcomeTellsHowObjectsRise) {
   Welcome sent = movingWelcome();
   sent.epoch_blend = EpochBlend::kCatmullRom;

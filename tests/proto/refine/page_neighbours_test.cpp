@@ -11,6 +11,8 @@ namespace foreland::proto {
 namespace {
 
 GridTopology randomGrid(Rng& rng) {
+  if (rng.below(3) == 0)
+    return GridTopology::create(GridTopology::cubeShape(static_cast<uint32_t>(1 + rng.below(7)))).value();
   const auto log2 = static_cast<uint32_t>(1 + rng.below(7));
   const auto roots = [&] { return static_cast<uint32_t>(1 + rng.below(log2 > 5 ? 2 : 5)); };
   GridShape shape{.roots_x = roots(), .roots_y = roots(), .root_log2 = log2};

@@ -96,7 +96,7 @@ TEST_P(CubeGrid, ParentsAndChildrenAreMutual) {
     }
   }
   for (NodeId n : nodes) {
-    if (grid.level(n) == grid.maxLevel()) ASSERT_EQ(grid.children(n).count, 0);
+    if (grid.level(n) == grid.maxLevel()) { ASSERT_EQ(grid.children(n).count, 0); }
   }
 }
 

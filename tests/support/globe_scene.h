@@ -1,0 +1,64 @@
+// Small planets from formulas, through the real builder and the real file.
+#pragma once
+
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <memory>
+
+#include "terrain/pipeline/sparse_build.h"
+#include "tests/support/scene.h"
+
+namespace foreland::test {
+
+// Of a planet of 20 km, as flat as Saturn, so that everything that bends does so within a few kilometres.
+inline proto::Frame makeGlobeFrame(uint32_t face_log2) {
+  proto::Frame frame;
+  frame.kind = proto::FrameKind::kGlobe;
+  frame.semi_major_m = 20'000;
+  frame.flattening = 0.09;
+  frame.face_steps = 1u << face_log2;
+  frame.height_quantum_m = 0.1;
+  return frame;
+}
+
+// Metres by direction, between about -150 and 450; the same for the same seed.
+inline double globeHills(uint64_t seed, const glm::dvec3& direction) {
+  Rng rng(seed);
+  double metres = 150;
+  for (int octave = 0; octave < 6; ++octave) {
+    const glm::dvec3 wave(rng.uniform(-1, 1), rng.uniform(-1, 1), rng.uniform(-1, 1));
+    metres +=
+        120 / std::exp2(octave) * std::sin(glm::dot(wave, direction) * 6 * std::exp2(octave) + rng.uniform(0, 6.28));
+  }
+  return metres;
+}
+
+// Faces of 2^face_log2 steps a side, whole but for so many of the finest levels, which are there around one corner of
+// the cube and one pole. Aborts the test on failure.
+inline std::shared_ptr<const terrain::Scene> makeGlobeScene(uint32_t face_log2, uint64_t seed,
+                                                            uint32_t sparse_levels = 0) {
+  const proto::GridTopology grid =
+      *proto::GridTopology::create(proto::GridTopology::cubeShape(face_log2, sparse_levels));
+  const proto::Frame frame = makeGlobeFrame(face_log2);
+  const proto::FrameGrid positions(frame, grid.maxX(), grid.maxY());
+  const auto quanta = [&](proto::NodeId v) {
+    return static_cast<int32_t>(std::nearbyint(globeHills(seed, glm::normalize(positions.position(v, 0))) * 10));
+  };
+  std::vector<proto::Slot> deep;
+  if (sparse_levels > 0) {
+    const uint32_t side = grid.rootSize();
+    for (const proto::NodeId near : {proto::NodeId::at(1, 1), proto::NodeId::at(2 * side + side / 2 + 1, side / 2 + 1)})
+      deep.push_back(grid.slot(near));
+  }
+  const TemporaryFolder folder;
+  terrain::SceneOrigin origin;
+  origin.title = "globe";
+  const auto report = terrain::buildSparseScene({grid, frame, deep, quanta}, {folder / "scene.fls", 1, origin});
+  if (!report.ok()) std::fprintf(stderr, "makeGlobeScene: %s\n", report.error().message.c_str());
+  CHECK_TRUE(report.ok());
+  const auto scene = terrain::Scene::open(folder / "scene.fls");
+  CHECK_TRUE(scene.ok());
+  return *scene;
+}
+
+}  // namespace foreland::test
