@@ -23,10 +23,12 @@
 #include "apps/report/progress_line.h"
 #include "apps/stop_signal.h"
 #include "terrain/dem/open.h"
+#include "terrain/dem/open_globe.h"
 #include "terrain/dem/pictures/open_pictures.h"
 #include "terrain/dem/vertical/height_reference.h"
 #include "terrain/geo/geodesy.h"
 #include "terrain/pipeline/build.h"
+#include "terrain/pipeline/globe_build.h"
 #include "terrain/surface_store/mapped_surface.h"
 
 namespace {
@@ -40,6 +42,7 @@ struct Arguments {
   std::vector<std::string> insets;
   std::vector<int> inset_priorities;
   terrain::OpenOptions open;
+  bool is_globe = false;
   std::optional<double> vertical_step_m;
   unsigned threads = 0;
   std::vector<std::string> objects, epochs;
@@ -86,6 +89,9 @@ void describeElevation(CLI::App& app, Arguments& arguments) {
   app.add_option("-o,--output", arguments.output, "the scene file to write")
       ->type_name(apps::file("SCENE.fls"))
       ->required();
+  app.add_flag("--globe", arguments.is_globe,
+               "the ground of a whole body: the inputs go around it, in latitude and longitude and to both poles, and "
+               "insets are fine where they are. Heights above a geoid (--vertical) become heights above the ellipsoid");
   app.add_option("--nodata", arguments.open.nodata, "treat this height as a void, whatever the file says")
       ->type_name(apps::number("V"));
   app.add_option("--vertical-step", arguments.vertical_step_m,
@@ -363,6 +369,53 @@ Result<std::vector<terrain::ObjectRequest>> parseObjects(const std::vector<std::
   return objects;
 }
 
+// What a globe cannot have.
+Status checkGlobe(const Arguments& arguments) {
+  const auto refused = [](const char* what) {
+    return Error{ErrorCode::kUnsupported, std::string("--globe takes no ") + what + " yet; leave it out"};
+  };
+  if (!arguments.objects.empty()) return refused("--object");
+  if (!arguments.epochs.empty()) return refused("--epoch");
+  if (!arguments.imagery.empty()) return refused("--imagery");
+  if (arguments.open.residual_m) return refused("--residual");
+  if (arguments.open.scene_vertical && *arguments.open.scene_vertical != terrain::kEllipsoidName)
+    return Error{ErrorCode::kInvalidArgument, "--scene-vertical " + *arguments.open.scene_vertical +
+                                                  ": the heights of a globe are above the ellipsoid; leave it out"};
+  return {};
+}
+
+void describeGlobe(const terrain::GlobeInfo& info, const terrain::GlobeDepth& depth) {
+  std::fprintf(stderr, "%s: a globe of 6 x 2^%u x 2^%u cells", info.title.c_str(), depth.whole_log2, depth.whole_log2);
+  if (depth.deepest_log2 > depth.whole_log2)
+    std::fprintf(stderr, ", and as fine as 6 x 2^%u x 2^%u where insets are", depth.deepest_log2, depth.deepest_log2);
+  std::fprintf(stderr, "\n");
+}
+
+int buildGlobe(const Arguments& arguments) {
+  const Clock::time_point begun = Clock::now();
+  if (Status s = checkOutput(arguments); !s.ok()) return fail(s.error());
+  if (Status s = checkGlobe(arguments); !s.ok()) return fail(s.error());
+  terrain::OpenOptions open = arguments.open;
+  open.scene_vertical.reset();
+  const auto source = terrain::openGlobe(arguments.inputs, open);
+  if (!source.ok()) return fail(source.error());
+  const auto depth = terrain::depthOf((*source)->info());
+  if (!depth.ok()) return fail(depth.error());
+  describeGlobe((*source)->info(), *depth);
+  apps::ProgressLine line;
+  const auto report =
+      terrain::buildGlobe(**source,
+                          {.output = arguments.output,
+                           .height_quantum_m = arguments.vertical_step_m.value_or(0.1),
+                           .threads = arguments.threads},
+                          {.report = [&](std::string_view stage, double done) { line.show(stage, done); },
+                           .keepGoing = [] { return !apps::isStopRequested(); }});
+  line.end();
+  if (!report.ok()) return fail(report.error());
+  describeScene(*report, arguments.output, std::chrono::duration<double>(Clock::now() - begun).count());
+  return 0;
+}
+
 int build(const Arguments& arguments) {
   const Clock::time_point begun = Clock::now();
   if (Status s = checkOutput(arguments); !s.ok()) return fail(s.error());
@@ -421,8 +474,8 @@ int main(int argc, char** argv) {
       {{"one file", "foreland build hills.tif -o hills.fls"},
        {"a survey in the coarse ground around it",
         "foreland build alps.tif --inset survey.tif --feather 50 -o alps.fls"},
-       {"a whole planet under a picture",
-        "foreland build etopo20.cdf --imagery earth.tif --attribution NASA -o planet.fls"},
+       {"a whole planet, finer where a survey is",
+        "foreland build etopo20.cdf --globe --vertical egm96 --inset alps.tif -o planet.fls"},
        {"a tower on a summit, twice as large as modelled and facing east",
         "foreland build N46E008.hgt -o alps.fls --object tower.fls@46.5900,8.1183,0,90,2"},
        {"ground that changes in time",
@@ -433,5 +486,5 @@ int main(int argc, char** argv) {
   arguments.open.allowed_folders = arguments.foreign.allowed;
   apps::confineTo(arguments.foreign, filesOf(arguments), {arguments.output});
   apps::catchStopSignals();
-  return build(arguments);
+  return arguments.is_globe ? buildGlobe(arguments) : build(arguments);
 }

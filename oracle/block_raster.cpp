@@ -85,7 +85,7 @@ void rasteriseTriangle(const std::array<Corner, 3>& c, uint32_t block_x, uint32_
                        std::array<uint32_t, kBlock>& covered) {
   const double ux = c[1].x - c[0].x, uy = c[1].y - c[0].y, vx = c[2].x - c[0].x, vy = c[2].y - c[0].y;
   const double twice_area = ux * vy - uy * vx;
-  if (std::fabs(twice_area) < kSlack) return;  // covers nothing; the crack checker reports it
+  if (std::fabs(twice_area) < kSlack * kSlack) return;  // covers nothing; the crack checker reports it
   const double scale = 1 / twice_area;
   const glm::dvec4 du(c[1].position - c[0].position, 0), dv(c[2].position - c[0].position, 0);
   const glm::dvec4 step_x = (vy * du - uy * dv) * scale, step_y = (ux * dv - vx * du) * scale;

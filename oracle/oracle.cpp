@@ -6,6 +6,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>
+#include <limits>
 #include <mutex>
 #include <utility>
 
@@ -53,8 +54,9 @@ struct Camera {
 
 // The samples of kBlock rows and columns.
 struct HeightBlock {
-  std::vector<double> heights;  // kBlock * kBlock, unused beyond the data; empty until first needed
-  Sphere bound;                 // of the true positions
+  std::vector<double> heights;        // kBlock * kBlock, unused beyond the data; empty until first needed
+  std::vector<glm::dvec3> positions;  // likewise, if the frame does not say them; not numbers where no sample is
+  Sphere bound;                       // of the true positions
 };
 
 struct Row {
@@ -95,6 +97,7 @@ struct Oracle::Ground {
   }
 
   glm::dvec3 position(const HeightBlock& block, glm::uvec2 first, uint32_t x, uint32_t y) const {
+    if (truth.position) return block.positions[y * kBlock + x];
     return grid.position(proto::NodeId::at(first.x + x, first.y + y), block.heights[y * kBlock + x]);
   }
 
@@ -105,7 +108,8 @@ struct Oracle::Ground {
     const glm::uvec2 first = firstSample(index);
     for (uint32_t y = 0; y < rows(index); ++y)
       readRow(first + glm::uvec2(0, y), epoch_shares, std::span(block.heights).subspan(y * kBlock, columns(index)));
-    block.bound.centre = position(block, first, columns(index) / 2, rows(index) / 2);
+    if (truth.position && !place(block, first, {columns(index), rows(index)})) return block;
+    if (!truth.position) block.bound.centre = position(block, first, columns(index) / 2, rows(index) / 2);
     for (uint32_t y = 0; y < rows(index); ++y)
       for (uint32_t x = 0; x < columns(index); ++x)
         block.bound.radius =
@@ -120,6 +124,27 @@ struct Oracle::Ground {
   }
 
  private:
+  // Sets the positions of samples, and the middle of these. False if there are none, which nothing may see.
+  bool place(HeightBlock& block, glm::uvec2 first, glm::uvec2 size) const {
+    block.positions.assign(kBlock * kBlock, glm::dvec3(std::numeric_limits<double>::quiet_NaN()));
+    glm::dvec3 sum(0);
+    double count = 0;
+    for (uint32_t y = 0; y < size.y; ++y)
+      for (uint32_t x = 0; x < size.x; ++x)
+        if (const double height = block.heights[y * kBlock + x]; !std::isnan(height)) {
+          const glm::dvec3 p = truth.position(first.x + x, first.y + y, height);
+          block.positions[y * kBlock + x] = p;
+          sum += p, ++count;
+        }
+    if (count == 0) {
+      block = {};
+      block.bound.radius = -std::numeric_limits<double>::infinity();
+      return false;
+    }
+    block.bound.centre = sum / count;
+    return true;
+  }
+
   void readAll() {
     still.resize(blockCount());
     for (size_t i = 0; i < still.size(); ++i)
@@ -129,7 +154,9 @@ struct Oracle::Ground {
   void readRow(glm::uvec2 first, std::span<const double> epoch_shares, std::span<double> out) const {
     std::array<int32_t, kBlock> heights;
     truth.heights(first.x, first.y, std::span(heights).first(out.size()));
-    std::copy_n(heights.begin(), out.size(), out.begin());
+    std::transform(
+        heights.begin(), heights.begin() + static_cast<std::ptrdiff_t>(out.size()), out.begin(),
+        [](int32_t h) { return h == kNoSample ? std::numeric_limits<double>::quiet_NaN() : static_cast<double>(h); });
     std::array<double, kBlock> offsets;
     for (size_t epoch = 0; epoch < epoch_shares.size(); ++epoch) {
       if (epoch_shares[epoch] == 0) continue;
@@ -181,8 +208,7 @@ struct Oracle::Impl {
   }
 
   const HeightBlock& block(size_t index) {
-    const HeightBlock& still = ground->still[index];
-    if (!still.heights.empty()) return still;
+    if (!ground->mayMove(index)) return ground->still[index];
     moving.resize(ground->blockCount());
     if (moving[index].heights.empty()) moving[index] = ground->read(index, epoch_shares);
     return moving[index];

@@ -15,6 +15,8 @@
 #include <cstdint>
 #include <functional>
 #include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+#include <limits>
 #include <memory>
 #include <span>
 #include <vector>
@@ -28,12 +30,17 @@
 
 namespace foreland::oracle {
 
+// The height of a place where there is no sample.
+inline constexpr int32_t kNoSample = std::numeric_limits<int32_t>::min();
+
 // The true surface, sample by sample.
 struct Truth {
   proto::Frame frame;
   proto::GridShape shape;
   // Writes the heights (quanta) of samples (x .. x + out.size() - 1, y); called only inside the data.
   std::function<void(uint32_t x, uint32_t y, std::span<int32_t> out)> heights;
+  // Where a sample of that height is, if the frame does not say it; then the ground does not move.
+  std::function<glm::dvec3(uint32_t x, uint32_t y, double height)> position{};
   // Of ground that moves in time: the times at which it is given, ascending, and by how many quanta it lies above
   // `heights` then, and how it moves between them. Outside of `moved` it does not. Otherwise empty.
   std::vector<Time> epochs{};

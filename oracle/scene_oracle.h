@@ -8,11 +8,14 @@
 // One owner. Cost: that of the two oracles.
 #pragma once
 
+#include <algorithm>
 #include <memory>
+#include <optional>
 #include <utility>
 #include <vector>
 
 #include "oracle/crack_checker.h"
+#include "oracle/globe/globe_oracle.h"
 #include "oracle/oracle.h"
 #include "oracle/surface/objects_oracle.h"
 
@@ -31,9 +34,17 @@ class SceneOracle {
         terrain_(std::move(terrain)),
         objects_(std::make_shared<const ObjectsOracle>(std::move(objects))) {}
 
+  // Of a globe.
+  SceneOracle(GlobeOracle globe, const proto::Frame& frame, ObjectsTruth objects)
+      : frame_(frame),
+        terrain_(nothing()),
+        globe_(std::move(globe)),
+        objects_(std::make_shared<const ObjectsOracle>(std::move(objects))) {}
+
   // Another judge of the same scene, for another thread, which may work at the same time (Oracle::twin).
   SceneOracle twin() {
     SceneOracle other(frame_, terrain_.twin(), objects_);
+    if (globe_) other.globe_.emplace(globe_->twin());
     other.is_seen_ = is_seen_;
     return other;
   }
@@ -48,12 +59,21 @@ class SceneOracle {
                        const proto::Lens& lens);
   CrackReport findCracks(const client::KeyframeMesh& mesh, const proto::GridShape& shape) const;
 
+  // Not of a globe.
   Oracle& terrain() { return terrain_; }
   const ObjectsOracle& objects() const { return *objects_; }
 
  private:
   SceneOracle(const proto::FrameTransform& frame, Oracle terrain, std::shared_ptr<const ObjectsOracle> objects)
       : frame_(frame), terrain_(std::move(terrain)), objects_(std::move(objects)) {}
+
+  // The truth of no ground.
+  static Truth nothing() {
+    return {.frame = {},
+            .shape = {.samples_x = 2, .samples_y = 2},
+            .heights = [](uint32_t, uint32_t, std::span<int32_t> out) { std::ranges::fill(out, kNoSample); },
+            .position = [](uint32_t, uint32_t, double) { return glm::dvec3(0); }};
+  }
 
   // By object: how far the ground has carried it at the time shown, scene frame.
   std::vector<glm::dvec3> carried() const;
@@ -62,6 +82,7 @@ class SceneOracle {
 
   proto::FrameTransform frame_;
   Oracle terrain_;
+  std::optional<GlobeOracle> globe_;  // judges the terrain instead
   std::shared_ptr<const ObjectsOracle> objects_;
   std::function<bool(const glm::dvec3& point, const glm::dvec3& eye)> is_seen_;
 };

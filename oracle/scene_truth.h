@@ -37,7 +37,10 @@ inline Result<SceneOracle> sceneOracle(const std::shared_ptr<const terrain::Scen
   if (!objects) return objects.error();
   std::vector<proto::ModelNodes> nodes;
   for (const auto& model : objects->models) nodes.push_back({model->nodes(), model->nodeMoves(), model->movesEach()});
-  return SceneOracle(truthOf(scene), objectsTruth(objects->set, nodes));
+  ObjectsTruth truth = objectsTruth(objects->set, nodes);
+  if (scene->frame().kind == proto::FrameKind::kGlobe)
+    return SceneOracle(GlobeOracle(scene), scene->frame(), std::move(truth));
+  return SceneOracle(truthOf(scene), std::move(truth));
 }
 
 }  // namespace foreland::oracle

@@ -47,11 +47,12 @@ SEES |= {
                        "terrain/model"],  # reference pictures; shares no code with server/occlusion
 }
 SEES["terrain/geoid"] = ["base"]  # how far geoids lie above the ellipsoid, and where maps are on it
-DEM_ROOMS = ["terrain/dem/raster", "terrain/dem/vertical", "terrain/dem/formats", "terrain/dem/pictures", "terrain/dem/mosaic", "terrain/dem/warp", "terrain/dem/insets", "terrain/dem"]
+DEM_ROOMS = ["terrain/dem/raster", "terrain/dem/vertical", "terrain/dem/formats", "terrain/dem/pictures", "terrain/dem/mosaic", "terrain/dem/warp", "terrain/dem/insets", "terrain/dem/planet", "terrain/dem"]
 for at, room in enumerate(DEM_ROOMS):
     SEES[room] = [*PROTO, "terrain", "terrain/geo", "terrain/geoid", "terrain/fence", *DEM_ROOMS[:at]]
 SEES["terrain/dem/voids"] = ["base"]  # knows no file format
 SEES["terrain/dem/insets"] = ["base", "terrain/dem/mosaic", "terrain/dem/voids"]  # nor where places come from
+SEES["terrain/dem/planet"] = ["base", "terrain/dem/insets"]  # nor do rasters around a body
 REMESH_ROOMS = ["terrain/remesh/original", "terrain/remesh/simplify", "terrain/remesh/lattice", "terrain/remesh",
                 "terrain/remesh/paint"]
 for at, room in enumerate(REMESH_ROOMS):

@@ -54,12 +54,6 @@ std::vector<glm::dvec2> survey(const Mosaic& mosaic, const LatticePlace& lattice
   return shared;
 }
 
-double middleOf(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::ranges::nth_element(values, middle);
-  return *middle;
-}
-
 // Columns and rows of a raster, or a part of it.
 struct Crop {
   glm::uvec2 first{0, 0}, size{0, 0};
@@ -81,6 +75,12 @@ Crop cropTo(const Mosaic& mosaic, const LatticePlace& lattice, const SamplePlace
 }
 
 }  // namespace
+
+double medianOf(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::ranges::nth_element(values, middle);
+  return *middle;
+}
 
 Result<std::vector<TileGroup>> groupTiles(std::vector<LaidTile> tiles) {
   struct Open {
@@ -125,7 +125,7 @@ Result<LayerPlace> placeLayer(const TileGroup& group, const LatticePlace& lattic
     rows.push_back(glm::distance(around[0], around[2]));
   }
   out.meets_lattice = !columns.empty();
-  if (out.meets_lattice) out.spacing = {middleOf(columns), middleOf(rows)};
+  if (out.meets_lattice) out.spacing = {medianOf(columns), medianOf(rows)};
   return out;
 }
 

@@ -1,6 +1,7 @@
 // Tiles of one grid that are laid on a lattice together, and where they are on it. One thread.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <glm/vec2.hpp>
 #include <optional>
@@ -19,6 +20,23 @@ struct TileGroup {
   std::string name;             // of its files, as messages call them
   Mosaic mosaic;
 };
+
+inline constexpr double kAlike = 1.01;  // resolutions that differ by less are the same
+
+// Over how much of a base's sample distance the edges of a group are mixed with what is below it, if nobody says: four
+// samples, and at most an eighth of its shorter side. `sides` are in such samples.
+inline double defaultFeather(glm::dvec2 sides) { return std::min(4.0, std::min(sides.x, sides.y) / 8.0); }
+
+// Sorts groups of layers from the lowest to the uppermost by a key, of equals the first named on top.
+template <class Group, class Key>
+void sortUpwards(std::vector<Group>& groups, const Key& key) {
+  std::ranges::reverse(groups);
+  // By insertion, which is stable; libstdc++'s stable_sort uses what clang warns of.
+  for (auto it = groups.begin(); it != groups.end(); ++it)
+    std::rotate(std::ranges::upper_bound(groups.begin(), it, key(*it), {}, key), it, it + 1);
+}
+
+double medianOf(std::vector<double> values);
 
 // In the order of the first tile of each.
 Result<std::vector<TileGroup>> groupTiles(std::vector<LaidTile> tiles);

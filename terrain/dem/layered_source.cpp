@@ -21,10 +21,8 @@ namespace foreland::terrain {
 
 namespace {
 
-constexpr double kAlike = 1.01;       // resolutions that differ by less are the same
 constexpr double kMostHalvings = 30;  // far more than a scene holds
 constexpr int kFinerThanInsets = 2;   // halvings beyond the finest inset's resolution that a residual may ask for
-constexpr double kFeatherSamples = 4, kFeatherShare = 8;
 constexpr uint64_t kMostOfAScene = uint64_t{1} << 32, kMostOfASparseScene = uint64_t{1} << 37,
                    kMostOfItsSide = 1u << 20;
 // A lattice is whole up to so many positions, or to so many for each that somebody knows something of.
@@ -157,22 +155,16 @@ std::vector<ElevationInput> inputsOf(const PlacedGroup& g, const LatticePlace& l
   return inputs;
 }
 
-// From the lowest to the uppermost; insets of a higher priority lie over others, and of equals the first.
-void sortUpwards(std::vector<PlacedGroup>& groups) {
-  std::ranges::reverse(groups);
-  const auto key = [](const PlacedGroup& g) {
-    return std::tuple(!g.isBelow(), g.group.priority.has_value(), g.group.priority.value_or(0));
-  };
-  // By insertion, which is stable; libstdc++'s stable_sort uses what clang warns of.
-  for (auto it = groups.begin(); it != groups.end(); ++it)
-    std::rotate(std::ranges::upper_bound(groups.begin(), it, key(*it), {}, key), it, it + 1);
+// Insets of a higher priority lie over others, and all over other inputs.
+auto rankOf(const PlacedGroup& g) {
+  return std::tuple(!g.isBelow(), g.group.priority.has_value(), g.group.priority.value_or(0));
 }
 
 double featherOf(const PlacedGroup& g, glm::dvec2 base_spacing_m, const OpenOptions& options) {
   if (options.feather_m) return *options.feather_m;
   const glm::dvec2 sides = glm::dvec2(g.group.mosaic.width, g.group.mosaic.height) * g.place.spacing;
   const double spacing_m = std::min(base_spacing_m.x, base_spacing_m.y);
-  return spacing_m * std::min(kFeatherSamples, std::min(sides.x, sides.y) / kFeatherShare);
+  return spacing_m * defaultFeather(sides);
 }
 
 Result<Samples> readBase(Base base, const ElevationInfo& info, std::vector<std::string>& warnings) {
@@ -421,7 +413,7 @@ Result<std::unique_ptr<ElevationSource>> layeredSource(Mosaic mosaic, std::vecto
   if (*is_wider)
     if (Status s = placeAnew(base, *placed, options); !s.ok()) return s.error();
   if (Status s = checkPlaces(*placed, base); !s.ok()) return s.error();
-  sortUpwards(*placed);
+  sortUpwards(*placed, rankOf);
   auto info = describeMosaic(base.mosaic, base.placement, datum, InputList::kAlways, std::move(notes));
   if (!info.ok()) return info.error();
   const glm::dvec2 spacing_m = sampleSpacing(info->frame, info->width, info->height);

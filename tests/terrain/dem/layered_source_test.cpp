@@ -8,7 +8,6 @@
 
 #include <array>
 #include <cmath>
-#include <functional>
 #include <glm/vec2.hpp>
 #include <limits>
 #include <memory>

@@ -1,0 +1,139 @@
+#include "terrain/pipeline/globe_build.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <numbers>
+#include <utility>
+
+#include "proto/space/cube_map.h"
+#include "proto/space/frame.h"
+#include "terrain/pipeline/globe_residual.h"
+#include "terrain/pipeline/sparse_build.h"
+
+namespace foreland::terrain {
+
+namespace {
+
+using proto::GridTopology;
+using proto::NodeId;
+
+constexpr double kAlike = 1.01;      // resolutions that differ by less are the same
+constexpr uint32_t kCoarsest = 6;    // whole levels go down to this at least: then a page is on one face
+constexpr uint32_t kMostWhole = 13;  // 4e8 vertices
+constexpr uint32_t kNet = 9;         // directions along each side of a patch
+
+uint32_t log2For(double quarter_m, double spacing_m) {
+  return std::max(kCoarsest,
+                  static_cast<uint32_t>(std::max(0.0, std::ceil(std::log2(quarter_m / (spacing_m * kAlike))))));
+}
+
+double quarterOf(const GlobeInfo& info) { return 0.5 * std::numbers::pi * info.semi_major_m; }
+
+// The directions of a window of the lattice, which lies on one face, and of as much again as a node's support reaches.
+GlobePatch patchOf(const GridTopology& grid, uint32_t spacing, const proto::LatticeWindow& window) {
+  const uint32_t k = grid.shape().root_log2, face = window.x >> k;
+  const double step = 2.0 / grid.rootSize(), x = window.x - (face << k);
+  const glm::dvec2 low(x - spacing, 1.0 * window.y - spacing),
+      size(window.width - 1.0 + 2 * spacing, window.height - 1.0 + 2 * spacing);
+  const auto direction = [&](double u, double v) {
+    const glm::dvec2 at = (low + size * glm::dvec2(u, v)) * step - 1.0;
+    return proto::cubeVector({face, at.x, at.y});
+  };
+  GlobePatch patch{.middle = glm::normalize(direction(0.5, 0.5)), .angle_rad = 0, .side = kNet, .directions = {}};
+  for (uint32_t j = 0; j < kNet; ++j)
+    for (uint32_t i = 0; i < kNet; ++i) {
+      const glm::dvec3 d = direction(i / (kNet - 1.0), j / (kNet - 1.0));
+      patch.directions.push_back(d);
+      patch.angle_rad =
+          std::max(patch.angle_rad, std::atan2(glm::length(glm::cross(patch.middle, d)), glm::dot(patch.middle, d)));
+    }
+  return patch;
+}
+
+// Pages whose nodes stand in for something: as long as nodes twice as far apart would be further apart than samples.
+std::vector<proto::Slot> pagesOf(const GlobeSource& source, const GridTopology& grid) {
+  const double step_m = quarterOf(source.info()) / grid.rootSize();
+  return pagesWhere(grid, [&](uint32_t spacing, const proto::LatticeWindow& tile) {
+    return 2 * spacing * step_m > kAlike * source.spacingIn(patchOf(grid, spacing, tile));
+  });
+}
+
+SceneDatum datumOf(const GlobeInfo& info, const GridTopology& grid, const std::vector<double>& residuals_m,
+                   double height_quantum_m) {
+  SceneDatum datum{info.vertical, {}};
+  const proto::GridShape& shape = grid.shape();
+  for (size_t i = 0; i < info.inputs.size(); ++i)
+    for (const std::string& file : info.inputs[i].files)
+      datum.inputs.push_back({.name = file,
+                              .vertical = info.inputs[i].vertical,
+                              .window = {0, 0, shape.samples_x, shape.samples_y},
+                              .may_have_voids = i + 1 < info.inputs.size(),
+                              .residual_m = residuals_m[i] + 0.5 * height_quantum_m,
+                              .feather_m = info.inputs[i].feather_m});
+  return datum;
+}
+
+Error stoppedEarly() { return {ErrorCode::kIo, "stopped before the scene was complete; nothing was written"}; }
+
+}  // namespace
+
+Result<GlobeDepth> depthOf(const GlobeInfo& info) {
+  GlobeDepth depth{.whole_log2 = log2For(quarterOf(info), info.inputs.back().spacing_m), .deepest_log2 = 0};
+  depth.deepest_log2 = depth.whole_log2;
+  for (const GlobeInput& input : info.inputs)
+    depth.deepest_log2 = std::max(depth.deepest_log2, log2For(quarterOf(info), input.spacing_m));
+  if (depth.whole_log2 > kMostWhole)
+    return Error{ErrorCode::kLimit, info.title + ": its samples are " + std::to_string(info.inputs.back().spacing_m) +
+                                        " m apart, and a globe is at most " +
+                                        std::to_string(quarterOf(info) / (1 << kMostWhole)) +
+                                        " m fine everywhere; give what is finer as an --inset"};
+  if (depth.deepest_log2 > GridTopology::kMaxCubeLog2)
+    return Error{ErrorCode::kLimit,
+                 info.title + ": an inset's samples are less than " +
+                     std::to_string(quarterOf(info) / (1 << GridTopology::kMaxCubeLog2)) +
+                     " m apart, which is the finest that a globe can be; make it coarser with gdal_translate -tr"};
+  return depth;
+}
+
+Result<BuildReport> buildGlobe(const GlobeSource& source, const GlobeOptions& options, const Progress& progress) {
+  const GlobeInfo& info = source.info();
+  if (!(options.height_quantum_m > 0) || !std::isfinite(options.height_quantum_m))
+    return Error{ErrorCode::kInvalidArgument, "the vertical step must be a positive number of metres"};
+  const auto depth = depthOf(info);
+  if (!depth.ok()) return depth.error();
+  const auto grid =
+      GridTopology::create(GridTopology::cubeShape(depth->deepest_log2, 2 * (depth->deepest_log2 - depth->whole_log2)));
+  if (!grid.ok()) return grid.error();
+  proto::Frame frame;
+  frame.kind = proto::FrameKind::kGlobe;
+  frame.height_quantum_m = options.height_quantum_m;
+  frame.semi_major_m = info.semi_major_m;
+  frame.flattening = info.flattening;
+  frame.face_steps = grid->rootSize();
+  const proto::FrameTransform transform(frame);
+  const auto height = [&](NodeId v) {
+    const proto::CubePlace p = grid->cube().placeOf(v);
+    const double step = 2.0 / grid->rootSize();
+    const glm::dvec3 direction = proto::cubeVector({p.face, p.x * step - 1, p.y * step - 1});
+    return static_cast<int32_t>(
+        std::lround(std::clamp(source.heightAt(direction).metres / options.height_quantum_m, -4e6, 4e6)));
+  };
+  progress.report("choosing", 0);
+  std::vector<proto::Slot> pages = pagesOf(source, *grid);
+  const auto keepGoing = [&](double fraction) {
+    progress.report("comparing", fraction);
+    return progress.keepGoing();
+  };
+  const auto residuals_m = globeResiduals(source, *grid, frame, pages, height, options.threads, keepGoing);
+  if (!residuals_m) return stoppedEarly();
+  SceneOrigin origin{.title = info.title, .crs_wkt = {}, .notes = info.notes, .voids_filled = info.voids_filled};
+  auto report = buildSparseScene({*grid, frame, std::move(pages), height},
+                                 {options.output, options.threads, std::move(origin),
+                                  datumOf(info, *grid, *residuals_m, options.height_quantum_m)},
+                                 progress);
+  if (report.ok()) report->warnings = info.warnings;
+  return report;
+}
+
+}  // namespace foreland::terrain
