@@ -2,7 +2,7 @@
 // the session, the picture what is drawn; app/ has the parts that need more than a few lines.
 import { Terrain, type Frame, type Place, type Scene } from '@foreland/client';
 import { addressHere, linkOf, reloadAt, writeQuery } from './app/page_address';
-import { kIsPhone, kLimits, lensOf, optionsOf } from './app/asked';
+import { kIsPhone, kLimits, kResting, lensOf, optionsOf } from './app/asked';
 import { CardLoss } from './app/card_loss';
 import { Steering } from './app/steering';
 import { takeAddressed, takeFiles } from './app/taken_files';
@@ -79,6 +79,7 @@ export class App {
     controls.onSpeed = () => this.guard.run(() => this.panel.showChoices());
     this.tools = new Tools(byId, {
       stage: this.stage, controls, refuse: (title, reason) => this.refuseFile(title, reason), needs_token: address.token !== null, link: () => linkOf(this.addressHere()), guide: () => this.guard.run(() => this.ask()),
+      beginFrames: () => this.guard.run(() => this.beginFrames()), endFrames: () => this.guard.run(() => this.endFrames()),
     });
     this.files = takeFiles({ tools: this.tools, refuse: (title, reason) => this.refuseFile(title, reason), addColours: (name, text) => this.guard.run(() => this.addColours(name, text)) });
     this.files.listen(file);
@@ -221,6 +222,7 @@ export class App {
 
   // The card was reset, and all that it held is gone. The session goes on.
   private loseCard(): void {
+    this.tools.record.cancel('the graphics card was reset.');
     this.picture.renderer.setAnimationLoop(null);
     const text = 'The picture comes back as soon as the browser can draw again.';
     notify({ kind: 'wait', title: 'The graphics card was reset', text, action: this.reloadHere() });
@@ -251,6 +253,19 @@ export class App {
     else this.showConnecting();
     this.beginDrawing();
     ++this.card_resets;
+  }
+
+  // ---- frames that are recorded
+
+  private beginFrames(): void {
+    this.picture.renderer.setAnimationLoop(null);
+    this.terrain?.setOptions({ ...optionsOf(this.settings, false), ...kResting });
+  }
+  private endFrames(): void {
+    this.resize();
+    this.terrain?.jump();
+    this.ask();
+    this.beginDrawing();
   }
 
   // ---- what the user chooses
@@ -339,6 +354,7 @@ export class App {
 
   // A page that has no size, as in a frame that is hidden, keeps the lens that it had; its session waits until it has one.
   private resize(): void {
+    if (this.tools.record.isOn) return;
     const is_sized = this.picture.resize(window.innerWidth, window.innerHeight, this.address.sharpness);
     this.terrain?.setSized(is_sized);
     if (is_sized && !this.terrain) this.connect();

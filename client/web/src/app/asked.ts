@@ -20,6 +20,9 @@ export function optionsOf(settings: Settings, is_touring: boolean): TerrainOptio
   };
 }
 
+// Of a camera that rests until its view is exact.
+export const kResting: TerrainOptions = { strategy: 'predict', predictor: 'hold', blend: 'keyframe', keyframeMs: 50 };
+
 export function lensOf({ width, height }: HTMLCanvasElement): Lens {
   return { fovY: kLens.fov_rad, width, height };
 }

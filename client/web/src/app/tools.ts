@@ -3,6 +3,7 @@ import type { Controls } from '../ui/controls';
 import { FollowControl } from '../ui/follow_control';
 import { MeasureControl } from '../ui/measure_control';
 import { OverlayControl } from '../ui/overlay_control';
+import { RecordControl } from '../ui/record_control';
 import { ShareControl } from '../ui/share_control';
 import { SightControl } from '../ui/sight_control';
 import type { Stage } from '../ui/stage';
@@ -18,6 +19,8 @@ export interface ToolPage {
   refuse(title: string, reason: string): void; // a file
   guide(): void; // a flight takes the camera, or leaves it
   link(): string; // that leads to what is seen
+  beginFrames(): void; // the page draws no more
+  endFrames(): void;
 }
 
 export class Tools {
@@ -26,14 +29,17 @@ export class Tools {
   readonly overlays: OverlayControl;
   readonly follow: FollowControl;
   readonly waypoints: WaypointControl;
+  readonly record: RecordControl;
 
   constructor(byId: (id: string) => HTMLElement, page: ToolPage) {
     const { stage, controls } = page, bar = byId('tools');
     this.sight = new SightControl(stage);
     this.measure = new MeasureControl(bar, byId('measure'), stage);
     this.overlays = new OverlayControl(byId('overlays'), byId('feature'), { ...stage, isTaken: () => this.measure.isOn, refuse: (reason) => page.refuse(kNotLaid, reason) });
-    this.follow = new FollowControl(byId('follow'), stage, () => page.guide());
+    this.follow = new FollowControl(byId('follow'), stage, () => page.guide(), () => this.record.refresh());
     this.waypoints = new WaypointControl(bar, byId('waypoints'), stage, controls, this.follow);
+    const pose = () => controls.pose(stage.picture().up);
+    this.record = new RecordControl(bar, byId('record'), { ...stage, pose, beginFrames: () => page.beginFrames(), endFrames: () => page.endFrames() }, this.follow);
     new ShareControl(bar, byId('share'), () => page.link(), page.needs_token, (text) => stage.say(text));
     closeOthersIn(bar);
   }
@@ -47,8 +53,8 @@ export class Tools {
   }
 
   status(): Record<string, unknown> {
-    const { sight, measure, overlays, follow, waypoints } = this;
-    return Object.assign({}, ...[sight, measure, overlays, follow, waypoints].map((tool) => tool.status()));
+    const { sight, measure, overlays, follow, waypoints, record } = this;
+    return Object.assign({}, ...[sight, measure, overlays, follow, waypoints, record].map((tool) => tool.status()));
   }
 }
 

@@ -116,6 +116,13 @@ export class Picture {
     return true;
   }
 
+  // In pixels of its own, whatever the window has.
+  sizeExactly(width: number, height: number): void {
+    this.renderer.setPixelRatio(1);
+    this.renderer.setSize(width, height, false);
+    this.camera.aspect = width / height;
+  }
+
   // ---- a frame
 
   // Tells the server where the camera is, and makes ready what comes. Null before there is anything to tell.
