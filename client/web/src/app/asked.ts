@@ -20,8 +20,9 @@ export function optionsOf(settings: Settings, is_touring: boolean): TerrainOptio
   };
 }
 
-// Of a camera that rests until its view is exact.
-export const kResting: TerrainOptions = { strategy: 'predict', predictor: 'hold', blend: 'keyframe', keyframeMs: 50 };
+// Of a camera that rests until its view is exact. Keyframes are for poses that the server has been told, so no prediction's error widens
+// what they are for, and nothing that was hidden before fades: at rest the section follows from the pose alone.
+export const kResting: TerrainOptions = { strategy: 'delay', predictor: 'hold', blend: 'keyframe', keyframeMs: 50, occlusion: false };
 
 export function lensOf({ width, height }: HTMLCanvasElement): Lens {
   return { fovY: kLens.fov_rad, width, height };

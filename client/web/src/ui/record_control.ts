@@ -115,7 +115,7 @@ export class RecordControl {
     const { width, height } = this.stage.picture().renderer.domElement, factor = Number(this.choice.factor);
     const pose = this.stage.pose();
     await this.run(1, sizeWithin(width * factor, height * factor, kLargest), async (frames, signal) => {
-      const picture = await frames.draw(pose, signal, ({ canvas }) => pngOf(canvas));
+      const picture = await frames.draw(pose, null, signal, ({ canvas }) => pngOf(canvas));
       saveFile(picture, 'foreland.png');
       return 'The picture is saved.';
     });
@@ -125,6 +125,7 @@ export class RecordControl {
     const { followed } = this.follow, take = this.take();
     if (!followed || !take) return;
     const times = this.framesOf(take), terrain = this.stage.terrain()!;
+    const poses = times.map((time_s) => poseOn(followed.path, time_s));
     this.follow.pause();
     await this.run(times.length, [take.width, take.height], async (frames, signal) => {
       let sink: FrameSink | null = null, worst_px = 0;
@@ -132,7 +133,7 @@ export class RecordControl {
         sink = await sinkOf(take, times.length);
         for (const [i, time_s] of times.entries()) {
           this.follow.mark(terrain, time_s);
-          await frames.draw(poseOn(followed.path, time_s), signal, ({ canvas, guaranteed_px }) => {
+          await frames.draw(poses[i]!, poses[i + 1] ?? null, signal, ({ canvas, guaranteed_px }) => {
             worst_px = Math.max(worst_px, guaranteed_px);
             return sink!.add(canvas, i);
           });
@@ -157,14 +158,15 @@ export class RecordControl {
     this.tell(0, count);
     this.show();
     this.stage.beginFrames();
+    const frames = new ExactFrames(this.stage.picture(), terrain);
     let words = '';
     try {
-      const frames = new ExactFrames(this.stage.picture(), terrain);
       frames.resize(width, height);
       words = await work(frames, abort.signal);
     } catch (error) {
       words = abort.signal.aborted && !(abort.signal.reason instanceof Error && abort.signal.reason.name === 'Error') ? 'The recording is cancelled.' : `Nothing is recorded: ${reasonOf(error)}`;
     }
+    frames.end();
     this.abort = null;
     this.stage.endFrames();
     this.show();
