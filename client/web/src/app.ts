@@ -45,7 +45,7 @@ export class App {
   private readonly readout = new Readout(byId('readout'));
   private readonly prediction = new PredictionCheck();
   private readonly colour_maps = new ColourMaps();
-  private readonly tours = new Tours(byId('tours'), (tour) => this.guard.run(() => this.chooseTour(tour)));
+  private readonly tours = new Tours(byId('tours'), (tour) => this.guard.run(() => this.chooseTour(tour)), (pose) => this.picture.shown(pose));
   private readonly steering = new Steering(new Controls(this.canvas), () => [this.tours, this.tools.follow]);
   private readonly scene_time = new SceneTime(byId('time'), (at, ms_rate) => this.terrain?.setSceneTime({ at, rate: ms_rate }));
   private readonly card_loss = new CardLoss((work) => this.guard.run(work), () => this.drawAgain());
@@ -130,7 +130,7 @@ export class App {
   private connect(): void {
     const { server, token, is_recorded } = this.address;
     const terrain = (this.terrain = Terrain.connect(server, {
-      ...optionsOf(this.settings, this.isGuided), lens: lensOf(this.canvas), limits: kLimits, record: is_recorded, patienceMs: Infinity,
+      ...this.options(), lens: lensOf(this.canvas), limits: kLimits, record: is_recorded, patienceMs: Infinity,
       ...(token === null ? {} : { token }),
     }));
     terrain.on('scene', (scene) => this.guard.run(() => this.enterScene(scene)));
@@ -259,7 +259,7 @@ export class App {
 
   private beginFrames(): void {
     this.picture.renderer.setAnimationLoop(null);
-    this.terrain?.setOptions({ ...optionsOf(this.settings, false), ...kResting });
+    this.terrain?.setOptions({ ...this.options(), ...kResting });
   }
   private endFrames(): void {
     this.resize();
@@ -287,6 +287,7 @@ export class App {
   private applyLook(): void {
     if (this.settings.colours !== this.shown_colours) this.showColours();
     this.picture.setLook(this.settings, sunDirection(this.settings, this.scene));
+    this.tools?.labels.setOn(this.settings.labels);
   }
 
   private refuseFile(title: string, reason: string): void {
@@ -325,7 +326,10 @@ export class App {
     this.ask();
   }
   private ask(): void {
-    this.terrain?.setOptions(optionsOf(this.settings, this.isGuided));
+    this.terrain?.setOptions(this.options());
+  }
+  private options(): ReturnType<typeof optionsOf> {
+    return optionsOf(this.settings, this.isGuided, this.picture.exaggerate(this.settings.exaggeration));
   }
   // Along a path that the server knows.
   private get isGuided(): boolean {
@@ -349,7 +353,7 @@ export class App {
     const { low, high } = this.scene.bounds;
     const length_m = 0.3 * Math.hypot(high[0] - low[0], high[1] - low[1]);
     this.picture.frozen_view.freeze(pose, kLens.fov_rad, this.picture.aspect, length_m);
-    this.picture.ground.frozenPose = pose;
+    this.picture.ground.frozenPose = this.picture.asked(pose);
   }
 
   // A page that has no size, as in a frame that is hidden, keeps the lens that it had; its session waits until it has one.
@@ -357,6 +361,7 @@ export class App {
     if (this.tools.record.isOn) return;
     const is_sized = this.picture.resize(window.innerWidth, window.innerHeight, this.address.sharpness);
     this.terrain?.setSized(is_sized);
+    if (this.settings.exaggeration !== 1) this.ask(); // which depends on the lens
     if (is_sized && !this.terrain) this.connect();
   }
 
@@ -381,6 +386,7 @@ export class App {
     this.takeFrame(frame);
     const shot: Shot = { frame, pose: frozen ? own : frame.pose, camera_eye: own.eye, above_ground_m: steering.above_ground_m };
     picture.take(shot, position);
+    this.tools.labels.update(now_ms);
     this.measure(now_ms, frame, position);
     this.kept_address.keep(now_ms, () => queryText(this.addressHere()));
   }

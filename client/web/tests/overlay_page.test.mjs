@@ -194,3 +194,26 @@ test('a planar scene whose map is not known says so of longitudes', kTest, async
     await plain.stop();
   }
 });
+
+test('names of a table are written where they are in sight, and not behind a ridge', kTest, () =>
+  visit('view=0,0,2600,45,-12', async (page) => {
+    const terrain = await Terrain.open(server.url.href.replace('http', 'ws'), { lens: { fovY: kFov_rad, width: 100, height: 100 } });
+    try {
+      // Everywhere, in Latin-1.
+      const places = Array.from({ length: 400 }, (_, i) => ({ name: `Höhe ${i}`, lon: 8.01 + 0.0115 * (i % 20), lat: 46.01 + 0.0115 * Math.floor(i / 20) }));
+      await dropFile(page, 'heights.csv', Buffer.from(`name;lon;lat\n${places.map(({ name, lon, lat }) => `${name};${lon.toFixed(5)};${lat.toFixed(5)}`).join('\n')}`, 'latin1'));
+      await page.locator('#hint', { hasText: /heights\.csv is not UTF-8; it was read as Latin-1/ }).waitFor({ state: 'attached' });
+      const { labels, names, eye } = await until(page, (s) => s.labels.length > 2, null, 240_000);
+      assert.equal(names, 400);
+      const heights = await terrain.heights(places), from = terrain.toGeodetic(eye);
+      const sights = await terrain.visible(places.map(({ lon, lat }, i) => [from, { lon: Number(lon.toFixed(5)), lat: Number(lat.toFixed(5)), height: heights[i] + 3 }]), { refraction: 0 });
+      const seen = places.filter((_, i) => sights[i].isSeen).map(({ name }) => name);
+      assert.ok(seen.length < 380, `${seen.length} are seen`);
+      assert.deepEqual(labels.filter((name) => !seen.includes(name)), []);
+      // Without a switch that does nothing.
+      await page.locator('[name=labels]').evaluate((control) => control.click());
+      await until(page, (s) => s.labels.length === 0);
+    } finally {
+      await terrain.close();
+    }
+  }));

@@ -1,6 +1,7 @@
 // What is done by hand beside flying: each tool has its button, its keys and its card.
 import type { Controls } from '../ui/controls';
 import { FollowControl } from '../ui/follow_control';
+import { LabelControl } from '../ui/label_control';
 import { MeasureControl } from '../ui/measure_control';
 import { OverlayControl } from '../ui/overlay_control';
 import { RecordControl } from '../ui/record_control';
@@ -26,6 +27,7 @@ export interface ToolPage {
 export class Tools {
   readonly sight: SightControl;
   readonly measure: MeasureControl;
+  readonly labels: LabelControl;
   readonly overlays: OverlayControl;
   readonly follow: FollowControl;
   readonly waypoints: WaypointControl;
@@ -35,7 +37,8 @@ export class Tools {
     const { stage, controls } = page, bar = byId('tools');
     this.sight = new SightControl(stage);
     this.measure = new MeasureControl(bar, byId('measure'), stage);
-    this.overlays = new OverlayControl(byId('overlays'), byId('feature'), { ...stage, isTaken: () => this.measure.isOn, refuse: (reason) => page.refuse(kNotLaid, reason) });
+    this.labels = new LabelControl(stage);
+    this.overlays = new OverlayControl(byId('overlays'), byId('feature'), { ...stage, isTaken: () => this.measure.isOn, refuse: (reason) => page.refuse(kNotLaid, reason) }, this.labels);
     this.follow = new FollowControl(byId('follow'), stage, () => page.guide(), () => this.record.refresh());
     this.waypoints = new WaypointControl(bar, byId('waypoints'), stage, controls, this.follow);
     const pose = () => controls.pose(stage.picture().up);
@@ -53,8 +56,8 @@ export class Tools {
   }
 
   status(): Record<string, unknown> {
-    const { sight, measure, overlays, follow, waypoints, record } = this;
-    return Object.assign({}, ...[sight, measure, overlays, follow, waypoints, record].map((tool) => tool.status()));
+    const { sight, measure, labels, overlays, follow, waypoints, record } = this;
+    return Object.assign({}, ...[sight, measure, labels, overlays, follow, waypoints, record].map((tool) => tool.status()));
   }
 }
 

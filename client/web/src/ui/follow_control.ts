@@ -197,7 +197,7 @@ export class FollowControl {
     const first = Math.max(Math.floor(this.timeAt(now_ms) / step_s + 1e-6) - (piece ? kBefore : 0), 0), next = poses.slice(first, first + kPiece);
     if (next.length < 2) return;
     const start = this.from_ms + ((first * step_s - this.from_s) / speed) * 1000;
-    terrain.announcePath(next, { start, stepMs: step_ms });
+    terrain.announcePath(next.map((pose) => this.stage.picture().asked(pose)), { start, stepMs: step_ms });
     this.piece = { poses: next, step_s, from_s: first * step_s, until_ms: first + kPiece >= poses.length ? Infinity : start + kPiece * step_ms };
   }
   // The camera does not go along any more, or goes elsewhere.
