@@ -18,6 +18,7 @@ import { Guard } from './ui/guard';
 import { Hint } from './ui/hint';
 import { KeptAddress, queryText } from './ui/kept_address';
 import { showNotice, type Notice } from './ui/notice';
+import { MapInset } from './ui/map_inset';
 import { Panel } from './ui/panel';
 import { PredictionCheck } from './ui/prediction_check';
 import { Readout } from './ui/readout';
@@ -53,6 +54,7 @@ export class App {
     picture: () => this.picture, terrain: () => this.terrain, sceneTime: () => this.scene_time_ms, say: (text) => this.hint.show(text),
   };
   private readonly compass = new Compass(byId('compass'), () => this.guard.run(() => this.turnNorth()));
+  private readonly map = new MapInset(byId('map'), (x, y) => this.guard.run(() => this.goTo(x, y)));
   private readonly tools: Tools;
   private readonly files: DroppedFiles;
   private readonly panel: Panel;
@@ -114,6 +116,7 @@ export class App {
       scene_time_ms: this.scene_time_ms,
       ...this.terrain?.stats,
       ...this.tools.status(),
+      ...this.map.status(),
     };
   }
 
@@ -288,6 +291,7 @@ export class App {
     if (this.settings.colours !== this.shown_colours) this.showColours();
     this.picture.setLook(this.settings, sunDirection(this.settings, this.scene));
     this.tools?.labels.setOn(this.settings.labels);
+    this.map.setOn(this.settings.map);
   }
 
   private refuseFile(title: string, reason: string): void {
@@ -365,6 +369,14 @@ export class App {
     if (is_sized && !this.terrain) this.connect();
   }
 
+  // There, as high above the ground as before; what is known of the ground there comes with the next frames.
+  private goTo(x: number, y: number): void {
+    this.takeOver();
+    const { controls } = this.steering, { eye } = controls;
+    const [before, there] = [eye.toArray(), [x, y, eye.z]].map((point) => this.terrain?.place(point)?.ground ?? null);
+    eye.set(x, y, eye.z + (before !== null && there !== null ? there! - before! : 0));
+    this.terrain?.jump();
+  }
   private turnNorth(): void {
     this.takeOver();
     this.steering.controls.look.heading = 0;
@@ -400,6 +412,7 @@ export class App {
   private measure(now_ms: number, frame: Frame, position: Place | null): void {
     const { controls } = this.steering;
     const predicts = this.settings.strategy === 'predict';
+    this.map.update(this.terrain!, controls.eye.toArray(), controls.look.heading, this.picture.aspect);
     this.compass.update({ now_ms, heading_rad: controls.look.heading, pixelAtGround_m: () => this.picture.pixelAtGround_m() });
     this.readout.update({
       now_ms,

@@ -154,6 +154,7 @@ export class Panel {
       range: [-1, Math.log2(kExaggerations.most), 0.01], toValue: (v) => Math.round(20 * 2 ** v) / 20, toPosition: Math.log2, text: (v) => `\u00d7 ${Number(v.toFixed(2))}`,
     });
     form.switch(body, 'Names', 'labels', boundTo(settings, 'labels'));
+    form.switch(body, 'Map', 'map', boundTo(settings, 'map'));
   }
 
   // The rows of OverlayControl, and where a file is opened.

@@ -25,6 +25,7 @@ export interface Settings extends SunSettings {
   contours: boolean;
   fog: boolean;
   exaggeration: number; // of heights
+  map: boolean; // a small one, in a corner
   labels: boolean; // names of an overlay's points are written over the ground
   occlusion: boolean; // leave out what ridges hide, if the server can
   frozen: boolean; // the section stays the one of the pose at which it was frozen
@@ -93,6 +94,7 @@ export function readSettings(query: URLSearchParams): Settings {
     contours: flag('contours', false),
     fog: flag('fog', true),
     exaggeration: number('exaggeration', kExaggerations.least, kExaggerations.most, 1),
+    map: flag('map', false),
     labels: flag('labels', true),
     occlusion: flag('occlusion', true),
     frozen: false,
@@ -103,7 +105,7 @@ export function readSettings(query: URLSearchParams): Settings {
 const kNames: Partial<Record<keyof Settings, string>> = {
   strategy: 'strategy', blend: 'blend', predictor: 'predictor', tau_px: 'tau', wireframe: 'wireframe', relief: 'relief', imagery: 'imagery', shadows: 'shadows', ground: 'ground',
   colours: 'colours', snow_line: 'snow', change: 'change', sun: 'sun', sun_hour: 'hour', sun_day: 'day', sun_azimuth_deg: 'azimuth', sun_height_deg: 'height', contours: 'contours',
-  fog: 'fog', labels: 'labels', exaggeration: 'exaggeration', occlusion: 'occlusion',
+  fog: 'fog', labels: 'labels', map: 'map', exaggeration: 'exaggeration', occlusion: 'occlusion',
 };
 const kUsual = readSettings(new URLSearchParams());
 
