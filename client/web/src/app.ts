@@ -2,7 +2,7 @@
 // the session, the picture what is drawn; app/ has the parts that need more than a few lines.
 import { Terrain, type Frame, type Place, type Scene } from '@foreland/client';
 import { addressHere, linkOf, reloadAt, writeQuery } from './app/page_address';
-import { kIsPhone, kLimits, lensOf, optionsOf } from './app/asked';
+import { kIsPhone, kLimits, kResting, lensOf, optionsOf } from './app/asked';
 import { CardLoss } from './app/card_loss';
 import { Steering } from './app/steering';
 import { takeAddressed, takeFiles } from './app/taken_files';
@@ -18,6 +18,7 @@ import { Guard } from './ui/guard';
 import { Hint } from './ui/hint';
 import { KeptAddress, queryText } from './ui/kept_address';
 import { showNotice, type Notice } from './ui/notice';
+import { MapInset } from './ui/map_inset';
 import { Panel } from './ui/panel';
 import { PredictionCheck } from './ui/prediction_check';
 import { Readout } from './ui/readout';
@@ -45,7 +46,7 @@ export class App {
   private readonly readout = new Readout(byId('readout'));
   private readonly prediction = new PredictionCheck();
   private readonly colour_maps = new ColourMaps();
-  private readonly tours = new Tours(byId('tours'), (tour) => this.guard.run(() => this.chooseTour(tour)));
+  private readonly tours = new Tours(byId('tours'), (tour) => this.guard.run(() => this.chooseTour(tour)), (pose) => this.picture.shown(pose));
   private readonly steering = new Steering(new Controls(this.canvas), () => [this.tours, this.tools.follow]);
   private readonly scene_time = new SceneTime(byId('time'), (at, ms_rate) => this.terrain?.setSceneTime({ at, rate: ms_rate }));
   private readonly card_loss = new CardLoss((work) => this.guard.run(work), () => this.drawAgain());
@@ -53,6 +54,7 @@ export class App {
     picture: () => this.picture, terrain: () => this.terrain, sceneTime: () => this.scene_time_ms, say: (text) => this.hint.show(text),
   };
   private readonly compass = new Compass(byId('compass'), () => this.guard.run(() => this.turnNorth()));
+  private readonly map = new MapInset(byId('map'), (x, y) => this.guard.run(() => this.goTo(x, y)));
   private readonly tools: Tools;
   private readonly files: DroppedFiles;
   private readonly panel: Panel;
@@ -79,6 +81,7 @@ export class App {
     controls.onSpeed = () => this.guard.run(() => this.panel.showChoices());
     this.tools = new Tools(byId, {
       stage: this.stage, controls, refuse: (title, reason) => this.refuseFile(title, reason), needs_token: address.token !== null, link: () => linkOf(this.addressHere()), guide: () => this.guard.run(() => this.ask()),
+      beginFrames: () => this.guard.run(() => this.beginFrames()), endFrames: () => this.guard.run(() => this.endFrames()),
     });
     this.files = takeFiles({ tools: this.tools, refuse: (title, reason) => this.refuseFile(title, reason), addColours: (name, text) => this.guard.run(() => this.addColours(name, text)) });
     this.files.listen(file);
@@ -113,6 +116,7 @@ export class App {
       scene_time_ms: this.scene_time_ms,
       ...this.terrain?.stats,
       ...this.tools.status(),
+      ...this.map.status(),
     };
   }
 
@@ -129,7 +133,7 @@ export class App {
   private connect(): void {
     const { server, token, is_recorded } = this.address;
     const terrain = (this.terrain = Terrain.connect(server, {
-      ...optionsOf(this.settings, this.isGuided), lens: lensOf(this.canvas), limits: kLimits, record: is_recorded, patienceMs: Infinity,
+      ...this.options(), lens: lensOf(this.canvas), limits: kLimits, record: is_recorded, patienceMs: Infinity,
       ...(token === null ? {} : { token }),
     }));
     terrain.on('scene', (scene) => this.guard.run(() => this.enterScene(scene)));
@@ -221,6 +225,7 @@ export class App {
 
   // The card was reset, and all that it held is gone. The session goes on.
   private loseCard(): void {
+    this.tools.record.cancel('the graphics card was reset.');
     this.picture.renderer.setAnimationLoop(null);
     const text = 'The picture comes back as soon as the browser can draw again.';
     notify({ kind: 'wait', title: 'The graphics card was reset', text, action: this.reloadHere() });
@@ -253,6 +258,19 @@ export class App {
     ++this.card_resets;
   }
 
+  // ---- frames that are recorded
+
+  private beginFrames(): void {
+    this.picture.renderer.setAnimationLoop(null);
+    this.terrain?.setOptions({ ...this.options(), ...kResting });
+  }
+  private endFrames(): void {
+    this.resize();
+    this.terrain?.jump();
+    this.ask();
+    this.beginDrawing();
+  }
+
   // ---- what the user chooses
 
   // A recording begins with its session, so the page begins anew where the camera is.
@@ -272,6 +290,8 @@ export class App {
   private applyLook(): void {
     if (this.settings.colours !== this.shown_colours) this.showColours();
     this.picture.setLook(this.settings, sunDirection(this.settings, this.scene));
+    this.tools?.labels.setOn(this.settings.labels);
+    this.map.setOn(this.settings.map);
   }
 
   private refuseFile(title: string, reason: string): void {
@@ -310,7 +330,10 @@ export class App {
     this.ask();
   }
   private ask(): void {
-    this.terrain?.setOptions(optionsOf(this.settings, this.isGuided));
+    this.terrain?.setOptions(this.options());
+  }
+  private options(): ReturnType<typeof optionsOf> {
+    return optionsOf(this.settings, this.isGuided, this.picture.exaggerate(this.settings.exaggeration));
   }
   // Along a path that the server knows.
   private get isGuided(): boolean {
@@ -334,16 +357,26 @@ export class App {
     const { low, high } = this.scene.bounds;
     const length_m = 0.3 * Math.hypot(high[0] - low[0], high[1] - low[1]);
     this.picture.frozen_view.freeze(pose, kLens.fov_rad, this.picture.aspect, length_m);
-    this.picture.ground.frozenPose = pose;
+    this.picture.ground.frozenPose = this.picture.asked(pose);
   }
 
   // A page that has no size, as in a frame that is hidden, keeps the lens that it had; its session waits until it has one.
   private resize(): void {
+    if (this.tools.record.isOn) return;
     const is_sized = this.picture.resize(window.innerWidth, window.innerHeight, this.address.sharpness);
     this.terrain?.setSized(is_sized);
+    if (this.settings.exaggeration !== 1) this.ask(); // which depends on the lens
     if (is_sized && !this.terrain) this.connect();
   }
 
+  // There, as high above the ground as before; what is known of the ground there comes with the next frames.
+  private goTo(x: number, y: number): void {
+    this.takeOver();
+    const { controls } = this.steering, { eye } = controls;
+    const [before, there] = [eye.toArray(), [x, y, eye.z]].map((point) => this.terrain?.place(point)?.ground ?? null);
+    eye.set(x, y, eye.z + (before !== null && there !== null ? there! - before! : 0));
+    this.terrain?.jump();
+  }
   private turnNorth(): void {
     this.takeOver();
     this.steering.controls.look.heading = 0;
@@ -365,6 +398,7 @@ export class App {
     this.takeFrame(frame);
     const shot: Shot = { frame, pose: frozen ? own : frame.pose, camera_eye: own.eye, above_ground_m: steering.above_ground_m };
     picture.take(shot, position);
+    this.tools.labels.update(now_ms);
     this.measure(now_ms, frame, position);
     this.kept_address.keep(now_ms, () => queryText(this.addressHere()));
   }
@@ -378,6 +412,7 @@ export class App {
   private measure(now_ms: number, frame: Frame, position: Place | null): void {
     const { controls } = this.steering;
     const predicts = this.settings.strategy === 'predict';
+    this.map.update(this.terrain!, controls.eye.toArray(), controls.look.heading, this.picture.aspect);
     this.compass.update({ now_ms, heading_rad: controls.look.heading, pixelAtGround_m: () => this.picture.pixelAtGround_m() });
     this.readout.update({
       now_ms,

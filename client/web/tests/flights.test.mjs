@@ -1,11 +1,13 @@
 // Flights in the page, in headless Chromium against the real server.
 import assert from 'node:assert/strict';
-import { readFile } from 'node:fs/promises';
+import { readFile, writeFile } from 'node:fs/promises';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
+import { unzipSync } from 'fflate';
+import { ALL_FORMATS, BufferSource, EncodedPacketSink, Input } from 'mediabunny';
 import { dropFile, makeFolder, makeSceneOnEarth, runForeland, on_earth, openBrowser, startServer, status, until, visitPage } from './support.mjs';
 
-const kTest = { timeout: 180_000 };
+const kTest = { timeout: 180_000 }, kLongTest = { timeout: 300_000 };
 let folder, server, browser;
 
 before(async () => {
@@ -109,4 +111,79 @@ test('a path through waypoints is flown, kept, read again, and flown by foreland
     await dropFile(page, 'path.json', await readFile(files[0], 'utf8'));
     await until(page, (s) => s.waypoints === 2 && s.follow_view === 'own' && s.follow_playing && !s.follow_lead);
     await until(page, (s, eye) => s.follow_s === s.follow_duration_s && Math.hypot(...s.eye.map((v, k) => v - eye[k])) > 90, first.eye);
+  }));
+
+// A second of a flight from where it stands; what is kept, as bytes.
+async function recorded(page, container, size) {
+  for (const [name, value] of [['video_format', container], ['video_size', size]]) await page.locator(`[name=${name}]`).selectOption(value);
+  await page.locator('[name=video_rate]').selectOption('10');
+  await page.locator('[name=video_seconds]').fill('0');
+  const [file] = await Promise.all([page.waitForEvent('download', { timeout: 200_000 }), page.locator('[name=save_video]').click()]);
+  await until(page, (s) => !s.recording);
+  const path = join(folder.folder, file.suggestedFilename());
+  await file.saveAs(path);
+  return readFile(path);
+}
+async function standAt(page, time_s) {
+  await until(page, (s) => s.follow_playing && !s.follow_lead);
+  await page.keyboard.press('KeyK');
+  await page.locator('[name=follow_time]').evaluate((slider, at) => {
+    slider.value = at;
+    slider.dispatchEvent(new Event('input'));
+    slider.dispatchEvent(new Event('change'));
+  }, time_s);
+}
+
+test('a flight is recorded frame by frame, and decodes to as many frames of the size', kLongTest, () =>
+  visit('', async (page) => {
+    await dropFile(page, 'flight.gpx', gpx());
+    await standAt(page, 30);
+    await page.locator('[name=record_card]').click();
+    const bytes = await recorded(page, 'webm', '640x360');
+    const input = new Input({ source: new BufferSource(bytes), formats: ALL_FORMATS }), track = await input.getPrimaryVideoTrack();
+    const packets = [];
+    for await (const packet of new EncodedPacketSink(track).packets()) packets.push({ type: packet.type, timestamp: Math.round(1e6 * packet.timestamp), data: [...packet.data] });
+    assert.equal(packets.length, 10);
+    assert.deepEqual(packets.map(({ timestamp }) => Math.round((timestamp * 10) / 1e6)), packets.map((_, i) => i));
+    const { codec, codedWidth, codedHeight } = await track.getDecoderConfig();
+    const decoded = await page.evaluate(async ([packets, config]) => {
+      const sizes = [], decoder = new VideoDecoder({ output: (frame) => {
+        sizes.push(`${frame.displayWidth}x${frame.displayHeight}`);
+        frame.close();
+      }, error: (error) => sizes.push(String(error)) });
+      decoder.configure(config);
+      for (const { type, timestamp, data } of packets) decoder.decode(new EncodedVideoChunk({ type, timestamp, data: new Uint8Array(data) }));
+      await decoder.flush();
+      return sizes;
+    }, [packets, { codec, codedWidth, codedHeight }]);
+    assert.deepEqual(decoded, Array(10).fill('640x360'));
+    // A picture twice as large as the window.
+    const { width, height } = await page.locator('#scene').evaluate((canvas) => ({ width: canvas.width, height: canvas.height }));
+    await page.locator('[name=picture_factor]').selectOption('2');
+    const [file] = await Promise.all([page.waitForEvent('download'), page.locator('[name=save_picture]').click()]);
+    await file.saveAs(join(folder.folder, 'picture.png'));
+    const png = await readFile(join(folder.folder, 'picture.png'));
+    assert.deepEqual([png.readUInt32BE(16), png.readUInt32BE(20)], [2 * width, 2 * height]);
+    await until(page, (s, frames) => !s.recording && s.frames > frames, (await status(page)).frames + 2);
+  }));
+
+test('the same frames are the same bytes, whatever was seen before', kLongTest, () =>
+  visit('', async (page) => {
+    await dropFile(page, 'flight.gpx', gpx());
+    const archives = [];
+    for (const before_s of [10, 90]) {
+      await standAt(page, before_s);
+      if (archives.length === 0) await page.locator('[name=record_card]').click();
+      await page.keyboard.press('KeyK');
+      await until(page, (s, from_s) => s.follow_s > from_s + 3, before_s);
+      await standAt(page, 40);
+      archives.push(unzipSync(await recorded(page, 'png', '640x360')));
+      await page.keyboard.press('KeyK'); // a recording pauses the flight
+    }
+    const [one, other] = archives, names = Object.keys(one);
+    assert.equal(names.length, 10);
+    assert.equal(names[9], 'frame_0009.png');
+    const differing = names.filter((name) => !Buffer.from(one[name]).equals(Buffer.from(other[name])));
+    if (process.env.KEEP) for (const name of names) await Promise.all([['a', one], ['b', other]].map(([which, files]) => writeFile(join(process.env.KEEP, `${which}_${name}`), files[name])));
+    assert.deepEqual(differing, []);
   }));

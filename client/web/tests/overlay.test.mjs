@@ -38,7 +38,7 @@ test('GeoJSON is read with simplestyle, whatever its nesting', () => {
 
 test('what is wrong with a file is said', () => {
   const refusals = [
-    ['hello', /is no GeoJSON, KML, KMZ, GPX or IGC/],
+    ['hello', /is no GeoJSON, KML, KMZ, GPX, IGC or CSV/],
     ['{"type": "Feat', /is no JSON/],
     [lineAt([[46, 100], [46.1, 101]]), /axes seem to be exchanged/],
     [lineAt([[500000, 5200000], [500001, 5200000]]), /not on the earth/],

@@ -62,7 +62,7 @@ const plus = (a, b) => a.map((v, i) => v + b[i]);
 const unit = (a) => scaled(a, 1 / Math.hypot(...a));
 
 // A pinhole camera of a heading (clockwise from north) and a pitch, degrees, at an eye with a given up.
-function cameraOf(eye, up, heading, pitch, { width, height }) {
+function cameraOf(eye, up, heading, pitch, { width, height }, tall = 1) {
   const [h, p] = [heading, pitch].map((degrees) => (degrees * Math.PI) / 180);
   const north = unit(plus([0, 1, 0], scaled(up, -up[1]))), east = cross(north, up);
   const level = plus(scaled(east, Math.sin(h)), scaled(north, Math.cos(h)));
@@ -70,7 +70,7 @@ function cameraOf(eye, up, heading, pitch, { width, height }) {
   const right = unit(cross(forward, up)), above = cross(right, forward);
   const focal = height / 2 / Math.tan(kFov_rad / 2);
   return (point) => {
-    const way = plus(point, scaled(eye, -1)), depth = dot(way, forward);
+    const way = plus(point, scaled(eye, -1)).map((v, i) => (i === 2 ? tall * v : v)), depth = dot(way, forward);
     return [width / 2 + (focal * dot(way, right)) / depth, height / 2 - (focal * dot(way, above)) / depth];
   };
 }
@@ -98,9 +98,10 @@ async function pointsAlong(coordinates, eye) {
 }
 
 // From above, so that no ridge hides the line: its pixels are where the exact ground is seen, and no others.
-for (const [eye, heading, pitch] of [[[0, -9000, 12_000], 0, -58], [[6000, -4000, 9000], 317, -64]])
-  test(`a dropped line is drawn where its ground is seen, from ${eye}`, kTest, () =>
-    visit(`sharpness=1&tau=0.5&fog=0&view=${[...eye, heading, pitch]}`, async (page) => {
+// So it is where heights are drawn taller.
+for (const [eye, heading, pitch, tall] of [[[0, -9000, 12_000], 0, -58, 1], [[6000, -4000, 9000], 317, -64, 1], [[0, -9000, 8000], 0, -62, 2]])
+  test(`a dropped line is drawn where its ground is seen, from ${eye}, ${tall} times as tall`, kTest, () =>
+    visit(`sharpness=1&tau=0.5&fog=0&exaggeration=${tall}&view=${[...eye, heading, pitch]}`, async (page) => {
       await dropFile(page, 'way.geojson', collection(feature('LineString', zigzag, line)));
       await untilLaid(page, 'way.geojson');
       const { frames } = await until(page, (s) => s.tau_px <= 0.5);
@@ -108,7 +109,7 @@ for (const [eye, heading, pitch] of [[[0, -9000, 12_000], 0, -58], [[6000, -4000
       const { up, points } = await pointsAlong(zigzag, eye);
       const { eye: own } = await status(page);
       assert.deepEqual(own, eye);
-      const seen = points.map(cameraOf(eye, up, heading, pitch, page.viewportSize()));
+      const seen = points.map(cameraOf(eye, up, heading, pitch, page.viewportSize(), tall));
       await page.addStyleTag({ content: 'body > :not(#scene) { display: none !important; }' }).catch(() => null);
       const pixels = await linePixels(page, await page.screenshot());
       const inside = seen.filter(([x, y]) => x > 4 && x < page.viewportSize().width - 4 && y > 4 && y < page.viewportSize().height - 4);
@@ -194,3 +195,26 @@ test('a planar scene whose map is not known says so of longitudes', kTest, async
     await plain.stop();
   }
 });
+
+test('names of a table are written where they are in sight, and not behind a ridge', kTest, () =>
+  visit('view=0,0,2600,45,-12', async (page) => {
+    const terrain = await Terrain.open(server.url.href.replace('http', 'ws'), { lens: { fovY: kFov_rad, width: 100, height: 100 } });
+    try {
+      // Everywhere, in Latin-1.
+      const places = Array.from({ length: 400 }, (_, i) => ({ name: `Höhe ${i}`, lon: 8.01 + 0.0115 * (i % 20), lat: 46.01 + 0.0115 * Math.floor(i / 20) }));
+      await dropFile(page, 'heights.csv', Buffer.from(`name;lon;lat\n${places.map(({ name, lon, lat }) => `${name};${lon.toFixed(5)};${lat.toFixed(5)}`).join('\n')}`, 'latin1'));
+      await page.locator('#hint', { hasText: /heights\.csv is not UTF-8; it was read as Latin-1/ }).waitFor({ state: 'attached' });
+      const { labels, names, eye } = await until(page, (s) => s.labels.length > 2, null, 240_000);
+      assert.equal(names, 400);
+      const heights = await terrain.heights(places), from = terrain.toGeodetic(eye);
+      const sights = await terrain.visible(places.map(({ lon, lat }, i) => [from, { lon: Number(lon.toFixed(5)), lat: Number(lat.toFixed(5)), height: heights[i] + 3 }]), { refraction: 0 });
+      const seen = places.filter((_, i) => sights[i].isSeen).map(({ name }) => name);
+      assert.ok(seen.length < 380, `${seen.length} are seen`);
+      assert.deepEqual(labels.filter((name) => !seen.includes(name)), []);
+      // Without a switch that does nothing.
+      await page.locator('[name=labels]').evaluate((control) => control.click());
+      await until(page, (s) => s.labels.length === 0);
+    } finally {
+      await terrain.close();
+    }
+  }));

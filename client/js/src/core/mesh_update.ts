@@ -32,6 +32,7 @@ export interface MeshUpdate {
   interval: Uint8Array; // for Screen.add
   origin: [number, number, number];
   to_nodes: number;
+  changed_nodes: number; // added or removed since the session began, up to the keyframe that it ends with
   to_pose: Pose;
   to_time_ms: number;
   terrain: PartUpdate;
@@ -90,12 +91,12 @@ function channelOf(data: Float32Array | Int8Array | Uint32Array, elements: Uint3
 
 // `last_version` is that of the update before.
 export function updateOf(mesh: Mesh, changes: { terrain: Changes; objects: Changes }, interval: Uint8Array, last_version: number,
-                         wants_lines: boolean, tiles: MeshUpdate['tiles']): MeshUpdate {
+                         wants_lines: boolean, tiles: MeshUpdate['tiles'], changed_nodes: number): MeshUpdate {
   const isWhole = (part: Changes) => part.base_version === 0 || part.base_version !== last_version;
   const { version, oldest_version, origin, to_nodes, to_pose, to_time_ms, objects } = mesh;
   const lines = linesOf(mesh, wants_lines);
   return {
-    version, oldest_version, interval, origin, to_nodes, to_pose, to_time_ms,
+    version, oldest_version, interval, origin, to_nodes, changed_nodes, to_pose, to_time_ms,
     terrain: partOf(sourceOf(mesh, changes.terrain, mesh), mesh.triangles, isWhole(changes.terrain), lines?.terrain ?? null),
     objects: partOf(sourceOf(objects, changes.objects, null), trianglesOf(objects.parts), isWhole(changes.objects), lines?.objects ?? null),
     object_parts: objects.parts.slice(),

@@ -257,7 +257,8 @@ class Session {
     const interval = this.viewer.interval();
     const tiles = this.tiles.take();
     const changes = this.viewer.takeChanges();
-    const update = updateOf(this.viewer.mesh(), changes, interval, this.last_version, this.wants_lines, tiles);
+    const { nodes_added, nodes_removed } = this.viewer.statistics();
+    const update = updateOf(this.viewer.mesh(), changes, interval, this.last_version, this.wants_lines, tiles, nodes_added + nodes_removed);
     this.last_version = update.version;
     this.sent.push(update.version);
     this.post({ kind: 'mesh', update }, memoryOf(update));

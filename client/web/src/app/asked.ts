@@ -11,14 +11,19 @@ export const kLimits: Limits = {
   textureLayers: kIsPhone ? { relief: 32, imagery: 96 } : { relief: 64, imagery: 256 },
 };
 
-export function optionsOf(settings: Settings, is_touring: boolean): TerrainOptions {
+// `finer`: by which the tolerance is smaller than what is wanted (Picture.exaggerate).
+export function optionsOf(settings: Settings, is_touring: boolean, finer: number): TerrainOptions {
   const { strategy, predictor, blend, tau_px, keyframe_ms, occlusion, relief, imagery } = settings;
   const automatic = is_touring ? 'path' : 'velocity';
   return {
-    strategy, blend, occlusion, relief, imagery, tolerancePx: tau_px, predictor: predictor === 'auto' ? automatic : predictor,
+    strategy, blend, occlusion, relief, imagery, tolerancePx: tau_px / finer, predictor: predictor === 'auto' ? automatic : predictor,
     keyframeMs: adapts(settings) ? kAdaptive_ms : keyframe_ms,
   };
 }
+
+// Of a camera that rests until its view is exact. Keyframes are for poses that the server has been told, so no prediction's error widens
+// what they are for, and nothing that was hidden before fades: at rest the section follows from the pose alone.
+export const kResting: TerrainOptions = { strategy: 'delay', predictor: 'hold', blend: 'keyframe', keyframeMs: 50, occlusion: false };
 
 export function lensOf({ width, height }: HTMLCanvasElement): Lens {
   return { fovY: kLens.fov_rad, width, height };

@@ -28,6 +28,7 @@ export class Steering {
   // `up` becomes that of the new eye. A camera whose view is frozen is steered.
   step(terrain: Terrain, now_ms: number, seconds: number, up: THREE.Vector3, is_frozen: boolean): Place | null {
     const { controls } = this;
+    controls.readPad(seconds);
     const guided = this.guides().map((guide) => guide.pose(terrain, now_ms)).find((pose) => pose !== null);
     if (guided && !is_frozen) {
       controls.eye.fromArray(guided.eye);

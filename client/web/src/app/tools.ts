@@ -1,8 +1,10 @@
 // What is done by hand beside flying: each tool has its button, its keys and its card.
 import type { Controls } from '../ui/controls';
 import { FollowControl } from '../ui/follow_control';
+import { LabelControl } from '../ui/label_control';
 import { MeasureControl } from '../ui/measure_control';
 import { OverlayControl } from '../ui/overlay_control';
+import { RecordControl } from '../ui/record_control';
 import { ShareControl } from '../ui/share_control';
 import { SightControl } from '../ui/sight_control';
 import type { Stage } from '../ui/stage';
@@ -18,22 +20,29 @@ export interface ToolPage {
   refuse(title: string, reason: string): void; // a file
   guide(): void; // a flight takes the camera, or leaves it
   link(): string; // that leads to what is seen
+  beginFrames(): void; // the page draws no more
+  endFrames(): void;
 }
 
 export class Tools {
   readonly sight: SightControl;
   readonly measure: MeasureControl;
+  readonly labels: LabelControl;
   readonly overlays: OverlayControl;
   readonly follow: FollowControl;
   readonly waypoints: WaypointControl;
+  readonly record: RecordControl;
 
   constructor(byId: (id: string) => HTMLElement, page: ToolPage) {
     const { stage, controls } = page, bar = byId('tools');
     this.sight = new SightControl(stage);
     this.measure = new MeasureControl(bar, byId('measure'), stage);
-    this.overlays = new OverlayControl(byId('overlays'), byId('feature'), { ...stage, isTaken: () => this.measure.isOn, refuse: (reason) => page.refuse(kNotLaid, reason) });
-    this.follow = new FollowControl(byId('follow'), stage, () => page.guide());
+    this.labels = new LabelControl(stage);
+    this.overlays = new OverlayControl(byId('overlays'), byId('feature'), { ...stage, isTaken: () => this.measure.isOn, refuse: (reason) => page.refuse(kNotLaid, reason) }, this.labels);
+    this.follow = new FollowControl(byId('follow'), stage, () => page.guide(), () => this.record.refresh());
     this.waypoints = new WaypointControl(bar, byId('waypoints'), stage, controls, this.follow);
+    const pose = () => controls.pose(stage.picture().up);
+    this.record = new RecordControl(bar, byId('record'), { ...stage, pose, beginFrames: () => page.beginFrames(), endFrames: () => page.endFrames() }, this.follow);
     new ShareControl(bar, byId('share'), () => page.link(), page.needs_token, (text) => stage.say(text));
     closeOthersIn(bar);
   }
@@ -47,8 +56,8 @@ export class Tools {
   }
 
   status(): Record<string, unknown> {
-    const { sight, measure, overlays, follow, waypoints } = this;
-    return Object.assign({}, ...[sight, measure, overlays, follow, waypoints].map((tool) => tool.status()));
+    const { sight, measure, labels, overlays, follow, waypoints, record } = this;
+    return Object.assign({}, ...[sight, measure, labels, overlays, follow, waypoints, record].map((tool) => tool.status()));
   }
 }
 

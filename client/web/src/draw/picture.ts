@@ -3,10 +3,12 @@ import type { Frame, Place, Pose, Scene, Terrain, Vector } from '@foreland/clien
 import { ForelandTerrain } from '@foreland/client/three';
 import * as THREE from 'three';
 import { kLens, type Settings } from '../ui/settings';
+import { askedLens, askedPose, shownPose } from './exaggeration';
 import { FlightMarks } from './flight_marks';
 import { FrozenView } from './frozen_view';
 import { pageMaterials } from './materials';
 import { MeasureLine } from './measure_line';
+import { NameTexts } from './name_texts';
 import { OverlayDrape } from './overlay_drape';
 import { OverlayMarks } from './overlay_marks';
 import { ShadeProbe } from './shade_probe';
@@ -34,13 +36,18 @@ export class Picture {
   readonly viewshed_drape = new ViewshedDrape();
   readonly overlay_drape = new OverlayDrape();
   readonly overlay_marks = new OverlayMarks();
+  readonly name_texts = new NameTexts();
   readonly up = new THREE.Vector3(0, 0, 1); // at the camera's eye
   ground: ForelandTerrain | null = null;
   private readonly sun = new THREE.Vector3(); // towards it
   private readonly scene = new THREE.Scene();
   private readonly camera = new THREE.PerspectiveCamera();
   private readonly sky = new Sky(this.sun, this.up);
-  private readonly haze = { u_haze: { value: 0 }, u_haze_height: { value: 1 }, u_eye_height: { value: 0 } };
+  private readonly haze = { u_haze: { value: 0 }, u_haze_height: { value: 1 }, u_eye_height: { value: 0 }, u_exaggeration: { value: 1 } };
+  private exaggeration = 1; // of heights
+  private readonly told = new THREE.PerspectiveCamera(); // that the server is told of
+  private asked_lens = { key: '', lens: { tan_x: 1, tan_y: 1, finer: 1 } };
+  private readonly told_size = { width: 1, height: 1 };
   private thickness = 0; // of the haze, where it is shown
   private last_shot: Shot | null = null;
   private largest_upload = 0; // as a share of its frame's limit, since the first picture
@@ -49,14 +56,14 @@ export class Picture {
   constructor(private readonly canvas: HTMLCanvasElement, private readonly anisotropy: number | null) {
     this.renderer = new THREE.WebGLRenderer({ canvas, antialias: true, powerPreference: 'high-performance' });
     this.renderer.autoClear = false;
-    this.scene.add(this.sky.object, this.frozen_view.object, this.sight_lines.object, this.measure_line.object, this.overlay_marks.object,
+    this.scene.add(this.sky.object, this.frozen_view.object, this.sight_lines.object, this.measure_line.object, this.overlay_marks.object, this.name_texts.object,
       this.flight_marks.lines, this.flight_marks.aircraft);
   }
 
   // Shows a terrain; once.
   show(terrain: Terrain): void {
     this.ground = new ForelandTerrain(terrain, {
-      renderer: this.renderer, materials: pageMaterials(this.haze, { ...this.viewshed_drape.uniforms, ...this.overlay_drape.uniforms }), ...(this.anisotropy === null ? {} : { anisotropy: this.anisotropy }),
+      renderer: this.renderer, size: this.told_size, materials: pageMaterials(this.haze, { ...this.viewshed_drape.uniforms, ...this.overlay_drape.uniforms }), ...(this.anisotropy === null ? {} : { anisotropy: this.anisotropy }),
     });
     this.scene.add(this.ground);
   }
@@ -64,6 +71,7 @@ export class Picture {
     this.ground?.dispose();
     this.overlay_drape.dispose();
     this.overlay_marks.dispose();
+    this.name_texts.clear();
     this.renderer.dispose();
   }
 
@@ -116,17 +124,52 @@ export class Picture {
     return true;
   }
 
+  // In pixels of its own, whatever the window has.
+  sizeExactly(width: number, height: number): void {
+    this.renderer.setPixelRatio(1);
+    this.renderer.setSize(width, height, false);
+    this.camera.aspect = width / height;
+  }
+
   // ---- a frame
+
+  // Heights are drawn so many times as tall. Gives how much smaller the tolerance that is asked for has to be.
+  exaggerate(factor: number): number {
+    this.exaggeration = this.haze.u_exaggeration.value = factor;
+    return this.toldLens().finer;
+  }
+  // What the server is told of a camera, and the other way round.
+  asked(pose: Pose): Pose {
+    return askedPose(pose, this.exaggeration, kLens.fov_rad);
+  }
+  shown(pose: Pose): Pose {
+    return shownPose(pose, this.exaggeration, kLens.fov_rad);
+  }
 
   // Tells the server where the camera is, and makes ready what comes. Null before there is anything to tell.
   update(now_ms: number, own: Pose): Frame | null {
     if (!this.ground) return null;
     const had_mesh = this.shownVersion > 0;
-    this.ground.poseCamera(this.camera, own);
-    const frame = this.ground.update(this.camera, now_ms);
+    const finer = this.setTold(own), frame = this.ground.update(this.told, now_ms);
     const { uploadedBytes, uploadLimit } = this.ground.drawn;
     if (had_mesh) this.largest_upload = Math.max(this.largest_upload, uploadedBytes / Math.max(uploadLimit, 1));
-    return frame;
+    return frame && { ...frame, pose: this.shown(frame.pose), guaranteedPx: frame.guaranteedPx === null ? null : finer * frame.guaranteedPx };
+  }
+  private setTold(own: Pose): number {
+    const { told, ground } = this, { fov_deg, width, height, finer } = this.toldLens();
+    ground!.poseCamera(told, this.asked(own));
+    told.fov = fov_deg;
+    Object.assign(this.told_size, { width, height });
+    return finer;
+  }
+  // With as many pixels for an angle as the canvas has, unless that were too many.
+  private toldLens(): { fov_deg: number; width: number; height: number; finer: number } {
+    const { exaggeration, aspect, camera } = this, [wide, high] = this.renderer.getDrawingBufferSize(kSize).toArray() as [number, number];
+    if (exaggeration === 1) return { fov_deg: camera.fov, width: wide, height: high, finer: 1 };
+    const key = `${aspect} ${exaggeration}`, { lens } = this.asked_lens.key === key ? this.asked_lens : (this.asked_lens = { key, lens: askedLens(kLens.fov_rad, aspect, exaggeration) });
+    const focal_px = high / (2 * Math.tan(kLens.fov_rad / 2)), { tan_x, tan_y } = lens, share = Math.min(1, kLargestSide / (2 * focal_px * Math.max(tan_x, tan_y)));
+    const [width, height] = [tan_x, tan_y].map((tan) => Math.floor(2 * focal_px * share * tan)) as [number, number];
+    return { fov_deg: (360 * Math.atan(tan_y)) / Math.PI, width, height, finer: lens.finer / share };
   }
 
   // Draws nothing before there is a scene.
@@ -139,15 +182,26 @@ export class Picture {
   private render({ pose, camera_eye, above_ground_m }: Shot): void {
     const { camera, ground } = this;
     ground!.poseCamera(camera, pose);
-    Object.assign(camera, ground!.depthRange(camera_eye, above_ground_m));
+    const { near, far } = ground!.depthRange(camera_eye, above_ground_m), e = this.exaggeration;
+    Object.assign(camera, { near: near * Math.min(e, 1), far: far * Math.max(e, 1) });
     camera.updateProjectionMatrix();
-    camera.updateMatrixWorld();
+    this.setMatrices();
     this.sky.update(camera);
     const pivot = ground!.uniforms.u_pivot!.value as THREE.Vector2;
     this.viewshed_drape.place(pivot);
     this.overlay_drape.place(pivot);
+    this.name_texts.place(camera, this.canvas.clientHeight);
     this.flight_marks.draw(this.renderer, this.scene, camera);
     ++this.frames;
+  }
+
+  // The camera's own axes are those of the taller scene, its eye is where the true one is.
+  private setMatrices(): void {
+    const { camera } = this, { elements } = camera.matrixWorld;
+    camera.matrixAutoUpdate = camera.matrixWorldAutoUpdate = false;
+    camera.matrixWorld.compose(camera.position, camera.quaternion, camera.scale);
+    for (const i of [2, 6, 10]) elements[i]! /= this.exaggeration;
+    camera.matrixWorldInverse.copy(camera.matrixWorld).invert();
   }
 
   // ---- what was drawn last
@@ -182,7 +236,7 @@ export class Picture {
     const { left, top, width, height } = this.canvas.getBoundingClientRect();
     const point = this.ground?.terrain.raycast(this.eye, this.directionAt(left + width / 2, top + height / 2));
     if (!point) return null;
-    return (2 * Math.tan(kLens.fov_rad / 2) * Math.hypot(...this.eye.map((v, i) => point[i]! - v))) / height;
+    return (2 * Math.tan(kLens.fov_rad / 2) * (this.pointOnScreen(point)?.[2] ?? 0)) / height || null;
   }
 
   // ---- for tests
@@ -217,6 +271,8 @@ export class Picture {
     return pixels;
   }
 }
+
+const kSize = new THREE.Vector2();
 
 function differencesOf(one: Uint8Array, other: Uint8Array): { differing: number; visible: number } {
   let [differing, visible] = [0, 0];

@@ -24,6 +24,6 @@ export class Sky {
   }
 
   update(camera: THREE.PerspectiveCamera): void {
-    this.directions.extractRotation(camera.matrixWorld).multiply(camera.projectionMatrixInverse);
+    this.directions.makeRotationFromQuaternion(camera.quaternion).multiply(camera.projectionMatrixInverse);
   }
 }

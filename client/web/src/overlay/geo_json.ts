@@ -1,7 +1,8 @@
-// Files of features and tracks brought to GeoJSON: GeoJSON itself, KML, KMZ, GPX and IGC. Pure; a worker or
+// Files of features and tracks brought to GeoJSON: GeoJSON itself, KML, KMZ, GPX, IGC and CSV. Pure; a worker or
 // Node can do it.
 import { gpx, kml } from '@tmcw/togeojson';
 import { DOMParser } from '@xmldom/xmldom';
+import { isCsv, pointsOfCsv } from './csv';
 import { kMaxXmlCharacters, kOverlayKinds } from './file_kinds';
 import { textOf } from './file_text';
 import { isIgc, trackOfIgc } from './igc';
@@ -14,6 +15,10 @@ export interface OpenedFile {
 // Tracks have their times in `coordinateProperties.times`, as togeojson gives them. An Error says what is wrong with the file, by its name.
 export function geoJsonOf(name: string, bytes: Uint8Array): OpenedFile {
   const { text, notes } = textOf(name, bytes);
+  if (isCsv(name)) {
+    const { json, left_out } = pointsOfCsv(name, text);
+    return { json, notes: left_out > 0 ? [...notes, `${left_out.toLocaleString('en')} rows without a place were left out.`] : notes };
+  }
   const first = text.trimStart()[0];
   if (first === '{') return { json: parsedJson(name, text), notes };
   if (first === '<') return { json: parsedXml(name, text), notes };

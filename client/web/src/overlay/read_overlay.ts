@@ -1,5 +1,6 @@
 // Features of a file (geo_json.ts) as places of a scene. Whatever is in the file is a stranger's: sizes and numbers are checked. Pure.
 import { isOfStyle, styleOf, type Feature, type Overlay, type Places } from './feature';
+import { kSceneMap } from './csv';
 import { geoJsonOf } from './geo_json';
 import { epsgOf, titleOf, toMapOf, type ToMap } from './map_coordinates';
 
@@ -51,6 +52,11 @@ class Reader {
   private readCrs(json: Json): void {
     const { is_geographic, crs } = this.map;
     const named = isObject(json.crs) && isObject(json.crs.properties) ? String(json.crs.properties.name).slice(0, 100) : '';
+    if (named === kSceneMap) {
+      if (is_geographic) throw this.wrong('has eastings and northings, and this scene is in longitude and latitude: bring it there first');
+      this.is_lonlat = false;
+      return;
+    }
     const code = /EPSG:{1,2}(\d+)$/i.exec(named)?.[1];
     this.is_lonlat = named === '' || /CRS84$/i.test(named) || code === '4326';
     if (this.is_lonlat && !is_geographic) {

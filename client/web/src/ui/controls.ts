@@ -1,8 +1,9 @@
 // Flying by hand. Mouse: drag looks, wheel sets the speed. Keys: W A S D or arrows move, E and Q rise and sink, Shift is faster.
-// Touch: one finger looks; two fingers carry the viewer along, pinching moves ahead. Motion ends at the ground; nothing else moves the eye.
+// Touch: one finger looks; two fingers carry the viewer along, pinching moves ahead, twisting turns. A gamepad does all of that. Motion ends at the ground; nothing else moves the eye.
 import * as THREE from 'three';
 import { basisAt, forwardOf, orientationOf, type Look } from './camera';
 import type { Pose } from '@foreland/client';
+import { padState } from './gamepad';
 import { isForPage, isOnButton } from './stage';
 
 const kKeys: Record<string, [axis: 0 | 1 | 2, sign: number]> = {
@@ -13,6 +14,8 @@ const kKeys: Record<string, [axis: 0 | 1 | 2, sign: number]> = {
 const kRadiansPerScreen = 1.6; // of dragging over the canvas' height
 const kSteepest_rad = 1.54;
 const kSmoothing_s = 0.22; // of velocity
+const kStill = window.matchMedia('(prefers-reduced-motion: reduce)'); // who wants that does not glide
+const kPadTurn_radps = 1.3;
 // The ground is known for eight of the last frame's steps ahead, and told again some frames later. So the first step from rest is short,
 // and none is longer than so many times the one before.
 const kFirstStep_m = 8, kGrowth = 1.5;
@@ -27,6 +30,7 @@ export class Controls {
   onSpeed: () => void = () => {}; // the user has chosen another speed, by the wheel
 
   private readonly velocity = new THREE.Vector3(); // right, ahead, up
+  private pad: ReturnType<typeof padState> = null;
   private stepped_m = 0; // in the last frame
   private readonly held = new Set<string>();
   private readonly fingers = new Map<number, [number, number]>();
@@ -76,9 +80,11 @@ export class Controls {
       const key = kKeys[code];
       if (key) wanted.setComponent(key[0], wanted.getComponent(key[0]) + key[1]);
     }
-    const faster = this.held.has('ShiftLeft') || this.held.has('ShiftRight') ? 4 : 1;
+    const { pad } = this;
+    if (pad) wanted.add(new THREE.Vector3(...pad.move));
+    const faster = pad?.is_faster || this.held.has('ShiftLeft') || this.held.has('ShiftRight') ? 4 : 1;
     wanted.clampLength(0, 1).multiplyScalar(this.speed_mps * faster);
-    this.velocity.lerp(wanted, 1 - Math.exp(-seconds / kSmoothing_s));
+    this.velocity.lerp(wanted, kStill.matches ? 1 : 1 - Math.exp(-seconds / kSmoothing_s));
     if (wanted.lengthSq() === 0 && this.velocity.length() < 1e-4 * this.speed_mps) this.velocity.set(0, 0, 0);
     const wanted_m = this.velocity.length() * seconds;
     const share = Math.min(1, Math.max(kFirstStep_m, kGrowth * this.stepped_m) / wanted_m); // of nothing: 1
@@ -86,6 +92,14 @@ export class Controls {
     this.carryOn(up);
     this.eye.fromArray(sweep(from, this.eye.toArray()));
     this.stepped_m = Math.hypot(...from.map((v, i) => this.eye.getComponent(i) - v));
+  }
+
+  // With each frame, before step(). A gamepad takes the camera where it is used.
+  readPad(seconds: number): void {
+    const pad = padState(navigator.getGamepads?.() ?? []);
+    if (pad && !this.pad) this.onTakeOver();
+    if (pad) this.turnBy(pad.look[0] * kPadTurn_radps * seconds, pad.look[1] * kPadTurn_radps * seconds);
+    this.pad = pad;
   }
 
   private move(right_m: number, ahead_m: number, up_m: number, up: THREE.Vector3): void {
@@ -129,8 +143,11 @@ export class Controls {
 
   private turn(dx: number, dy: number): void {
     const scale = kRadiansPerScreen / this.canvas.clientHeight;
-    this.look.heading -= dx * scale;
-    this.look.pitch = Math.min(Math.max(this.look.pitch + dy * scale, -kSteepest_rad), kSteepest_rad);
+    this.turnBy(-dx * scale, dy * scale);
+  }
+  private turnBy(right_rad: number, up_rad: number): void {
+    this.look.heading += right_rad;
+    this.look.pitch = Math.min(Math.max(this.look.pitch + up_rad, -kSteepest_rad), kSteepest_rad);
   }
 
   private dragTwo(id: number, before: [number, number], now: [number, number]): void {
@@ -141,6 +158,8 @@ export class Controls {
     this.carry.x -= 0.5 * (now[0] - before[0]) * metres;
     this.carry.y += 0.5 * (now[1] - before[1]) * metres;
     this.carry.z += 2 * (apart(now) - apart(before)) * metres;
+    const towards = (p: [number, number]) => Math.atan2(p[1] - other[1], p[0] - other[0]), twist = towards(now) - towards(before);
+    this.turnBy(-Math.atan2(Math.sin(twist), Math.cos(twist)), 0);
   }
 
   private turnWheel(event: WheelEvent): void {

@@ -18,6 +18,14 @@ const kLeft_ms = 30_000; // of a piece, when the next one is announced
 const kAround_s = 10; // by a key
 const kLongest_s = 240, kFastest = 10; // of a flight that is shown at first
 
+// What is shown of a flight at a time, for a recorder as well.
+export interface Followed {
+  time_s: number;
+  journey: Journey;
+  path: CameraPath;
+  speed: number;
+}
+
 export class FollowControl {
   private journey: Journey | null = null;
   private path: CameraPath | null = null; // of the view; null: free, or not known yet
@@ -35,8 +43,8 @@ export class FollowControl {
   private at: Vector = [0, 0, 0]; // of the aircraft, in the last frame
   private readonly bar: FollowBar;
 
-  // `onGuide` is called as the camera begins to go along, or ends it.
-  constructor(root: HTMLElement, private readonly stage: Stage, private readonly onGuide: () => void) {
+  // `onGuide` is called as the camera begins to go along, or ends it; `onPath` as its path is known, or gone.
+  constructor(root: HTMLElement, private readonly stage: Stage, private readonly onGuide: () => void, private readonly onPath: () => void) {
     this.bar = new FollowBar(root, {
       play: () => this.play(!this.is_playing), seek: (time_s, is_dragged) => this.seek(time_s, is_dragged), view: (view) => void this.choose(view, this.speed),
       speed: (speed) => void this.choose(this.view, speed), close: () => this.end(),
@@ -54,6 +62,9 @@ export class FollowControl {
   // Whether it has the camera.
   get isGuiding(): boolean {
     return this.journey !== null && this.view !== 'free';
+  }
+  get followed(): Followed | null {
+    return this.journey && this.path ? { time_s: this.timeAt(performance.now()), journey: this.journey, path: this.path, speed: this.speed } : null;
   }
 
   // A file of features that has a track. An Error says what is wrong with it.
@@ -82,6 +93,10 @@ export class FollowControl {
     this.bar.show(null);
     this.stage.picture().flight_marks.show([]);
     if (was_guiding) this.onGuide();
+    this.onPath();
+  }
+  pause(): void {
+    this.play(false);
   }
   // A person steers.
   release(): void {
@@ -108,7 +123,7 @@ export class FollowControl {
     return this.piece ? poseOn(this.piece, time_s - this.piece.from_s) : poseOn(path, time_s);
   }
   // The aircraft where it is at a time.
-  private mark(terrain: Terrain, time_s: number): void {
+  mark(terrain: Terrain, time_s: number): void {
     const { flight, seats } = this.journey!, at = (this.at = pointAt(flight, time_s));
     const ahead = velocityAt(flight, time_s), segments = flight.times_s.findIndex((t) => t > time_s);
     const has_aircraft = seats.length > 0 && this.view !== 'cockpit';
@@ -161,6 +176,7 @@ export class FollowControl {
     const path = await journey.pathOf(view === 'own' ? 'cockpit' : view, speed);
     if (mine !== this.made) return;
     this.path = path;
+    this.onPath();
     this.has_jumped = true;
     this.goOn(time_s);
   }
@@ -181,7 +197,7 @@ export class FollowControl {
     const first = Math.max(Math.floor(this.timeAt(now_ms) / step_s + 1e-6) - (piece ? kBefore : 0), 0), next = poses.slice(first, first + kPiece);
     if (next.length < 2) return;
     const start = this.from_ms + ((first * step_s - this.from_s) / speed) * 1000;
-    terrain.announcePath(next, { start, stepMs: step_ms });
+    terrain.announcePath(next.map((pose) => this.stage.picture().asked(pose)), { start, stepMs: step_ms });
     this.piece = { poses: next, step_s, from_s: first * step_s, until_ms: first + kPiece >= poses.length ? Infinity : start + kPiece * step_ms };
   }
   // The camera does not go along any more, or goes elsewhere.

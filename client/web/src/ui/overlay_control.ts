@@ -10,6 +10,7 @@ import { isWithin, mapPointsOf, onLattice } from '../overlay/on_lattice';
 import type { FlatShape } from '../overlay/overlay_work';
 import { runInSlices } from '../overlay/slices';
 import { FeatureCard } from './feature_card';
+import type { LabelControl } from './label_control';
 import { element } from './form';
 import { onClicks, type Stage } from './stage';
 import { reasonOf } from './words';
@@ -37,7 +38,7 @@ export class OverlayControl {
   private asked = 0; // times that the ground was to be laid out anew
   private laid = 0;
 
-  constructor(private readonly list: HTMLElement, card: HTMLElement, private readonly stage: OverlayStage) {
+  constructor(private readonly list: HTMLElement, card: HTMLElement, private readonly stage: OverlayStage, private readonly labels: LabelControl) {
     this.card = new FeatureCard(card);
     onClicks(stage, (event) => this.click(event));
   }
@@ -98,7 +99,9 @@ export class OverlayControl {
     if (mine !== this.asked) return; // something else is wanted by now
     const { overlay_drape, overlay_marks } = this.stage.picture();
     overlay_drape.show(grid);
-    overlay_marks.show(seen.flatMap(({ marks }) => marks));
+    const marks = seen.flatMap((shown) => shown.marks), terrain = this.stage.terrain();
+    overlay_marks.show(marks);
+    if (terrain) this.labels.setMarks(terrain, marks);
     this.laid = mine;
   }
 

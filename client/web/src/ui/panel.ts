@@ -3,6 +3,7 @@
 import type { Scene } from '@foreland/client';
 import { kBlends, kPredictors, kStrategies } from '@foreland/client';
 import { kGrounds } from '@foreland/client/three';
+import { kExaggerations } from '../draw/exaggeration';
 import { boundTo, element, Form, type Bound } from './form';
 import { isRemembered, remember } from './remembered';
 import { adapts, mayAdapt, type Settings } from './settings';
@@ -149,12 +150,17 @@ export class Panel {
     layer_rows.shadows = form.switch(body, 'Cast shadows', 'shadows', boundTo(settings, 'shadows'));
     form.switch(body, 'Contours', 'contours', boundTo(settings, 'contours'));
     form.switch(body, 'Haze', 'fog', boundTo(settings, 'fog'));
+    form.slider(body, 'Heights', 'exaggeration', boundTo(settings, 'exaggeration'), {
+      range: [-1, Math.log2(kExaggerations.most), 0.01], toValue: (v) => Math.round(20 * 2 ** v) / 20, toPosition: Math.log2, text: (v) => `\u00d7 ${Number(v.toFixed(2))}`,
+    });
+    form.switch(body, 'Names', 'labels', boundTo(settings, 'labels'));
+    form.switch(body, 'Map', 'map', boundTo(settings, 'map'));
   }
 
   // The rows of OverlayControl, and where a file is opened.
   private addOverlays(): void {
     const list = Object.assign(element('div', 'overlays'), { id: 'overlays' });
-    const file = Object.assign(document.createElement('input'), { type: 'file', id: 'overlay-file', name: 'overlay_file', multiple: true, accept: '.geojson,.json,.kml,.kmz,.gpx,.igc' });
+    const file = Object.assign(document.createElement('input'), { type: 'file', id: 'overlay-file', name: 'overlay_file', multiple: true, accept: '.geojson,.json,.kml,.kmz,.gpx,.igc,.csv,.tsv' });
     this.body.append(list);
     this.form.row(this.body, 'Lay on the ground', file);
   }

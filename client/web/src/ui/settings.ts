@@ -1,6 +1,7 @@
 // What the user can set, and its initial values from the page's address: ?tour=survey&strategy=predict&tau=1&wireframe=1 ...
 import { kBlends, kPredictors, kStrategies, type Blend, type Predictor, type Strategy } from '@foreland/client';
 import { kGrounds, type Ground } from '@foreland/client/three';
+import { kExaggerations } from '../draw/exaggeration';
 import { kSunModes, type SunSettings } from './sun';
 
 export const kTours = ['survey', 'canyon', 'spin', 'orbit'] as const;
@@ -23,6 +24,9 @@ export interface Settings extends SunSettings {
   change: number; // of the ground since the first epoch that has the strongest colours, as a share of the largest one
   contours: boolean;
   fog: boolean;
+  exaggeration: number; // of heights
+  map: boolean; // a small one, in a corner
+  labels: boolean; // names of an overlay's points are written over the ground
   occlusion: boolean; // leave out what ridges hide, if the server can
   frozen: boolean; // the section stays the one of the pose at which it was frozen
 }
@@ -89,6 +93,9 @@ export function readSettings(query: URLSearchParams): Settings {
     sun_height_deg: number('height', 0, 90, 36),
     contours: flag('contours', false),
     fog: flag('fog', true),
+    exaggeration: number('exaggeration', kExaggerations.least, kExaggerations.most, 1),
+    map: flag('map', false),
+    labels: flag('labels', true),
     occlusion: flag('occlusion', true),
     frozen: false,
   };
@@ -98,7 +105,7 @@ export function readSettings(query: URLSearchParams): Settings {
 const kNames: Partial<Record<keyof Settings, string>> = {
   strategy: 'strategy', blend: 'blend', predictor: 'predictor', tau_px: 'tau', wireframe: 'wireframe', relief: 'relief', imagery: 'imagery', shadows: 'shadows', ground: 'ground',
   colours: 'colours', snow_line: 'snow', change: 'change', sun: 'sun', sun_hour: 'hour', sun_day: 'day', sun_azimuth_deg: 'azimuth', sun_height_deg: 'height', contours: 'contours',
-  fog: 'fog', occlusion: 'occlusion',
+  fog: 'fog', labels: 'labels', map: 'map', exaggeration: 'exaggeration', occlusion: 'occlusion',
 };
 const kUsual = readSettings(new URLSearchParams());
 

@@ -11,7 +11,8 @@ export class Tours {
   private wanted: Tour | null = null; // requested, and flown once its plan has arrived
   private is_flying = false;
 
-  constructor(bar: HTMLElement, private readonly onChoice: (tour: Tour | null) => void) {
+  // `shown` gives how a pose is drawn that the server knows.
+  constructor(bar: HTMLElement, private readonly onChoice: (tour: Tour | null) => void, private readonly shown: (pose: Pose) => Pose) {
     for (const tour of kTours) {
       const button = document.createElement('button');
       button.type = 'button';
@@ -54,7 +55,7 @@ export class Tours {
     if (!this.is_flying) return null;
     const pose = terrain.tourPose(now_ms);
     if (!pose) this.onChoice(null);
-    return pose;
+    return pose && this.shown(pose);
   }
 
   private showChoice(): void {
