@@ -21,7 +21,6 @@ namespace foreland::terrain {
 namespace {
 
 using test::Field;
-using test::HeightAt;
 using test::writeField;
 
 constexpr double kRadians = std::numbers::pi / 180;
@@ -161,7 +160,7 @@ TEST_F(OpenGlobe, ShowsAnInsetOverAPole) {
 
 // A square of directions around one.
 GlobePatch patchAround(const glm::dvec3& middle, double angle_rad) {
-  GlobePatch patch{.middle = middle, .angle_rad = 1.5 * angle_rad, .side = 5};
+  GlobePatch patch{.middle = middle, .angle_rad = 1.5 * angle_rad, .side = 5, .directions = {}};
   const glm::dvec3 east = glm::normalize(glm::cross(glm::dvec3(0.3, 0.1, 0.9), middle)),
                    north = glm::cross(middle, east);
   for (double y = -2; y <= 2; ++y)
