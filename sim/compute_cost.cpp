@@ -31,10 +31,12 @@ uint64_t knownNodes(const server::Session& session) {
 
 StepWork StepWork::between(const server::SessionStatistics& before, const server::Session& session, uint64_t bytes) {
   const server::SessionStatistics& after = session.statistics();
+  const uint64_t tests = after.nodes_tested - before.nodes_tested,
+                 changed = after.nodes_added + after.nodes_removed - before.nodes_added - before.nodes_removed;
   return {.keyframes = after.keyframes - before.keyframes,
-          .tested = after.nodes_tested - before.nodes_tested,
+          .tested = tests - std::min(tests, changed),
           .swept = after.nodes_swept - before.nodes_swept,
-          .changed = after.nodes_added + after.nodes_removed - before.nodes_added - before.nodes_removed,
+          .changed = changed,
           .measured = after.nodes_measured - before.nodes_measured,
           .bytes = bytes,
           .resumed = after.resumed && !before.resumed ? knownNodes(session) : 0,

@@ -19,9 +19,9 @@ namespace foreland::sim {
 // Work of one step, counted.
 struct StepWork {
   uint64_t keyframes = 0;  // 0 or 1
-  uint64_t tested = 0;     // nodes tested exactly by the adapter
+  uint64_t tested = 0;     // nodes tested exactly by the adapter, and left as they were
   uint64_t swept = 0;      // entries of its frontier that were swept
-  uint64_t changed = 0;    // nodes added and removed
+  uint64_t changed = 0;    // nodes added and removed, their tests included
   uint64_t measured = 0;   // nodes of sections that were refined from scratch to be counted
   uint64_t bytes = 0;      // written
   uint64_t resumed = 0;    // nodes that a viewer who resumes presents, in its section or remembered
@@ -53,8 +53,8 @@ inline constexpr size_t kWorkKinds = 11;
 // Nanoseconds for each, in the order of StepWork.
 struct ComputePrices {
   std::string name = "default";  // what reports call them: of the file, where they are from one
-  double keyframe = 210'000, tested = 35, swept = 8, changed = 87, measured = 86, byte = 120, resumed = 110;
-  double block = 475, segment = 57'000, ray = 1000, query = 500;
+  double keyframe = 156'000, tested = 150, swept = 5.1, changed = 55, measured = 38, byte = 92, resumed = 119;
+  double block = 497, segment = 46'000, ray = 1000, query = 500;
 
   Duration of(const StepWork& work) const;
   // What each kind of the work takes, in nanoseconds.
@@ -92,6 +92,11 @@ Result<ComputePrices> readPrices(const std::filesystem::path& path);
 struct TimedWork {
   StepWork work;
   double seconds = 0;
+  template <class Visit>
+  void fields(const Visit& visit) const {
+    work.fields(visit);
+    visit("seconds", seconds);
+  }
 };
 // The prices that explain the times best, in the sense of least squares of the relative errors, none below zero.
 ComputePrices fitPrices(std::span<const TimedWork> steps);

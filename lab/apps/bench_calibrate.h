@@ -13,7 +13,7 @@ namespace foreland::apps {
 
 struct CalibrateArguments {
   std::string scene;
-  std::filesystem::path output;
+  std::filesystem::path output, steps;
   double seconds = 10;
   apps::ReportFormat format = apps::ReportFormat::kText;
 };

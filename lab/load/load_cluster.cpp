@@ -48,7 +48,8 @@ void LoadSimulation::connect(size_t i) {
     v.up = sim::Link(v.links.up, v.seeds.next());
     v.down = sim::Link(v.links.down, v.seeds.next());
   }
-  v.connected_at = now_;
+  v.connected_at = v.charged_at = now_;
+  v.cost = 0;
   v.move = {};
   Bytes request = v.light.connect();
   v.move.up = request.size();

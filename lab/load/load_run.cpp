@@ -75,6 +75,7 @@ LoadRun LoadSimulation::result() const {
   const double n = static_cast<double>(std::max<uint64_t>(f.keyframes, 1));
   f.missed_share = static_cast<double>(f.missed) / n;
   f.ahead_mean_ms /= n;
+  f.tau_times_mean /= static_cast<double>(std::max<uint64_t>(received_, 1));
   f.lateness_p50_ms = quantile(lateness_ms_, 0.5), f.lateness_p99_ms = quantile(lateness_ms_, 0.99);
   f.lateness_max_ms = quantile(lateness_ms_, 1);
   f.work_p99_ms = quantile(work_ms_, 0.99);

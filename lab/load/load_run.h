@@ -77,6 +77,7 @@ struct LoadFigures {
   uint64_t keyframes = 0, missed = 0, skipped = 0, late_at_viewers = 0;
   double latest_at_viewers_ms = 0;  // after the time from which it was to be shown
   double largest_tau_px = 0;        // that a keyframe stated
+  double tau_times_mean = 0;        // the tolerance that keyframes stated, over the one that was asked for
   uint64_t at_once = 0;       // keyframes after a jump, which have no deadline and are in none of the other figures
   double at_once_p99_ms = 0;  // from when those were due to their end
   double missed_share = 0;
@@ -103,6 +104,7 @@ struct LoadFigures {
     visit("late_at_viewers", late_at_viewers);
     visit("latest_at_viewers_ms", latest_at_viewers_ms);
     visit("largest_tau_px", largest_tau_px);
+    visit("tau_times_mean", tau_times_mean);
     visit("lateness_p50_ms", lateness_p50_ms);
     visit("lateness_p99_ms", lateness_p99_ms);
     visit("lateness_max_ms", lateness_max_ms);

@@ -127,6 +127,8 @@ void LoadSimulation::receive(size_t i) {
     figures_.late_at_viewers += received.lateness > Duration{} ? 1 : 0;
     figures_.latest_at_viewers_ms = std::max(figures_.latest_at_viewers_ms, received.lateness.toMilliseconds());
     figures_.largest_tau_px = std::max(figures_.largest_tau_px, received.tau_px);
+    figures_.tau_times_mean += received.tau_px / v.light.request().tau_px;
+    ++received_;
   }
   arrived(v, received, message.size());
 }
@@ -219,9 +221,7 @@ void LoadSimulation::done(size_t i) {
   server.costly_running -= v.is_costly;
   v.is_running = false;
   v.session->noteComputeTime(v.work);
-  server.load->add(v.work, now_);
-  v.session->setProcessors(server::Processors::kFree, server.load->occlusionShare());
-  v.deficit.charge(v.work, now_, share());
+  charge(v, server);
   if (v.is_keyframe && isMeasured()) count(v);
   for (Bytes& message : v.out) {
     v.down.send(std::move(message), now_);
@@ -232,6 +232,14 @@ void LoadSimulation::done(size_t i) {
   v.out.clear();
   if (v.leaving) return close(i);
   take(i);
+}
+
+void LoadSimulation::charge(Viewer& v, Server& server) {
+  v.deficit.charge(v.work, now_, share());
+  v.cost = server::Load::costAfter(v.cost, v.work, now_ - std::exchange(v.charged_at, now_));
+  server.load->add(v.work, now_);
+  const auto flying = static_cast<int64_t>(viewers_.size() / servers_.size());
+  v.session->setProcessors(server.load->processorsFor(v.cost, flying), server.load->occlusionShare());
 }
 
 void LoadSimulation::count(Viewer& v) {

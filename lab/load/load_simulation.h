@@ -72,6 +72,8 @@ class LoadSimulation {
     size_t worker = 0;
     bool is_keyframe = false, has_deadline = false, is_costly = false;
     uint64_t in_time = 0;  // keyframes
+    double cost = 0;       // of one worker's time, as the server sees it
+    Time charged_at;
 
     // Of moving. `leaving`: a step still runs. `closing`: the end of the connection is on its way, behind all else.
     std::optional<MoveCause> leaving, closing, moving;
@@ -147,6 +149,8 @@ class LoadSimulation {
   std::vector<ServerLoad> serverLoads() const;
 
   double share() const;
+  // As servers do after each step: notes what it took, and rations what the next ones may.
+  void charge(Viewer& v, Server& server);
   bool isMeasured() const { return now_ >= begin_ && now_ < end_; }
   double fairness() const;
   void addVariability(LoadFigures& figures) const;
@@ -182,6 +186,7 @@ class LoadSimulation {
   std::vector<int64_t> due_us_;  // work by the whole keyframe interval in which it falls due
   sim::StepWork work_;
   LoadFigures figures_;
+  uint64_t received_ = 0;  // keyframes, at viewers
 };
 
 }  // namespace foreland::lab

@@ -178,11 +178,9 @@ void SessionActor::countKept() {
 
 // Pays the deficit at the even share, then adds to it.
 void SessionActor::charge(Duration spent, Time now) {
-  constexpr double kMemory_s = 2;
-  const double elapsed_s = std::max(1e-6, (now - charged_at_).toSeconds());
-  charged_at_ = now;
+  const Duration elapsed = now - std::exchange(charged_at_, now);
   deficit_.charge(spent, now, host_.load_.fairShare(host_.metrics_.flying));
-  cost_ = cost() + (1 - std::exp(-elapsed_s / kMemory_s)) * (spent.toSeconds() / elapsed_s - cost());
+  cost_ = Load::costAfter(cost(), spent, elapsed);
   host_.load_.add(spent, now);
   session_.setProcessors(host_.load_.processorsFor(cost(), host_.metrics_.flying), host_.load_.occlusionShare());
 }

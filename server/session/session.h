@@ -59,7 +59,7 @@ struct SessionOptions {
   Duration max_early{};
   // Where max_early permits it, a predicted keyframe is always begun this much early: it may cost more than the last
   // ones did, or wait for another that was begun before. Decision 0024 weighs 0, 4, 15 and 30 ms against older poses.
-  Duration slack = Duration::milliseconds(15);
+  Duration slack = Duration::milliseconds(30);
   // The tiles that a viewer may hold take at most this many bytes.
   uint32_t max_tile_bytes = proto::kDefaultTileBytes;
   // At most this many keyframes are sent and not yet acknowledged; more would only queue in the link. The value is the

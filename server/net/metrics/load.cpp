@@ -48,6 +48,11 @@ double Load::fairShare(int64_t viewers) const {
   return kBusy * workers_ / static_cast<double>(std::max<int64_t>(viewers, 1));
 }
 
+double Load::costAfter(double cost, Duration spent, Duration elapsed) {
+  const double elapsed_s = std::max(1e-6, elapsed.toSeconds());
+  return cost + (1 - std::exp(-elapsed_s / kCostMemory.toSeconds())) * (spent.toSeconds() / elapsed_s - cost);
+}
+
 Processors Load::processorsFor(double cost, int64_t viewers) const {
   const double share = busy();
   if (share < kFree) return Processors::kFree;

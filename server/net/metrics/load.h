@@ -49,6 +49,10 @@ class Load {
 
   // What a viewer gets that takes `cost` of one worker's time while `viewers` fly.
   Processors processorsFor(double cost, int64_t viewers) const;
+  // What a viewer takes of one worker's time, smoothed over kCostMemory, that took `cost` until `elapsed` ago and used
+  // `spent` since.
+  static double costAfter(double cost, Duration spent, Duration elapsed);
+  static constexpr Duration kCostMemory = Duration::milliseconds(2000);
   // Of one worker's time, for each of `viewers`.
   double fairShare(int64_t viewers) const;
 

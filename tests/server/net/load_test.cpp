@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 namespace foreland::server {
 namespace {
 
@@ -24,6 +26,17 @@ TEST(Load, IsOverloadedWhileWorkersAreBusyAndNotLongAfter) {
   EXPECT_FALSE(load.isOverloaded(ms(6000))) << "nobody has worked since";
   work(load, 0.5, 6000);
   EXPECT_FALSE(load.isOverloaded(ms(8000)));
+}
+
+// However often it is told.
+TEST(Load, SmoothsWhatAViewerCosts) {
+  for (const int64_t every_ms : {10, 50, 200}) {
+    double cost = 0;
+    const Duration spent = Duration::milliseconds(every_ms / 10), elapsed = Duration::milliseconds(every_ms);
+    for (int64_t t = 0; t < Load::kCostMemory.toMilliseconds(); t += every_ms)
+      cost = Load::costAfter(cost, spent, elapsed);
+    EXPECT_NEAR(cost, 0.1 * (1 - std::exp(-1)), 1e-9) << every_ms;
+  }
 }
 
 TEST(Load, GivesAWeightByWhatIsLeft) {
