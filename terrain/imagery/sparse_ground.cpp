@@ -145,18 +145,56 @@ class NodesAbout {
   }
 
  private:
+  // Square by square of what is flat, for to look up every node takes as many steps as there are levels.
   void read(const StoredHeights& ground) {
     is_read_ = true;
     const proto::GridShape& shape = ground.grid().shape();
     last_x_ = shape.samples_x - 1.0, last_y_ = shape.samples_y - 1.0;
-    for (uint32_t j = 0; j < kWindow; ++j)
-      for (uint32_t i = 0; i < kWindow; ++i) {
-        const auto at = [&](int64_t first, uint32_t k, uint32_t samples) {
-          return static_cast<uint32_t>(std::min<int64_t>((first + k) << level_, samples - 1));
-        };
-        heights_[size_t{j} * kWindow + i] =
-            ground.exactAt(NodeId::at(at(first_x_, i, shape.samples_x), at(first_y_, j, shape.samples_y)));
-      }
+    const auto within = [&](int64_t first, uint32_t samples) {
+      return std::min<int64_t>(kWindow - 1, ((int64_t{samples} - 1) >> level_) - first);
+    };
+    const int64_t columns = within(first_x_, shape.samples_x), rows = within(first_y_, shape.samples_y);
+    const auto position = [&](int64_t first, int64_t k) { return static_cast<uint32_t>((first + k) << level_); };
+    FlatSquares(ground.grid(), ground.pages())
+        .forEachIn(position(first_x_, 0), position(first_y_, 0), position(first_x_, columns), position(first_y_, rows),
+                   [&](uint32_t x, uint32_t y, uint32_t side) {
+                     fill(ground, {x, y, side}, columns, rows);
+                   });
+    // Beyond the data as at its border.
+    for (int64_t j = 0; j < kWindow; ++j)
+      for (int64_t i = 0; i < kWindow; ++i)
+        if (i > columns || j > rows)
+          at(i, j) = ground.exactAt(NodeId::at(std::min(position(first_x_, i), shape.samples_x - 1),
+                                               std::min(position(first_y_, j), shape.samples_y - 1)));
+  }
+  struct Square {
+    uint32_t x, y, side;
+  };
+  // The nodes of a flat square, its sides included.
+  void fill(const StoredHeights& ground, const Square& s, int64_t columns, int64_t rows) {
+    const auto first = [&](uint32_t low, int64_t from) {
+      return std::max<int64_t>(0, ((int64_t{low} + (1 << level_) - 1) >> level_) - from);
+    };
+    const auto last = [&](uint32_t low, int64_t from, int64_t count) {
+      return std::min<int64_t>(count, (int64_t{low + s.side} >> level_) - from);
+    };
+    const int64_t i0 = first(s.x, first_x_), i1 = last(s.x, first_x_, columns), j0 = first(s.y, first_y_),
+                  j1 = last(s.y, first_y_, rows);
+    if (i0 > i1 || j0 > j1) return;
+    const auto corner = [&](uint32_t dx, uint32_t dy) { return ground.exactAt(NodeId::at(s.x + dx, s.y + dy)); };
+    const double a = corner(0, 0), b = corner(s.side, 0), c = corner(0, s.side), d = corner(s.side, s.side);
+    const bool is_rising = (s.x / s.side + s.y / s.side) % 2 == 0;
+    for (int64_t j = j0; j <= j1; ++j)
+      for (int64_t i = i0; i <= i1; ++i)
+        at(i, j) = inSquare(is_rising, static_cast<double>(((first_x_ + i) << level_) - s.x) / s.side,
+                            static_cast<double>(((first_y_ + j) << level_) - s.y) / s.side, {a, b, c, d});
+  }
+  struct Corners {
+    double a, b, c, d;
+  };
+  static double inSquare(bool is_rising, double u, double v, const Corners& k) {
+    if (is_rising) return u > v ? k.a + u * (k.b - k.a) + v * (k.d - k.b) : k.a + v * (k.c - k.a) + u * (k.d - k.c);
+    return u + v < 1 ? k.a + u * (k.b - k.a) + v * (k.c - k.a) : k.d + (1 - u) * (k.c - k.d) + (1 - v) * (k.b - k.d);
   }
   double drawn(double x, double y) const {
     const double step = std::ldexp(1.0, -static_cast<int>(level_));
@@ -164,13 +202,10 @@ class NodesAbout {
                  v0 = std::clamp(y, 0.0, last_y_) * step - static_cast<double>(first_y_);
     const auto i = static_cast<uint32_t>(std::clamp(std::floor(u0), 0.0, kWindow - 2.0)),
                j = static_cast<uint32_t>(std::clamp(std::floor(v0), 0.0, kWindow - 2.0));
-    const double u = u0 - i, v = v0 - j, a = height(i, j), b = height(i + 1, j), c = height(i, j + 1),
-                 d = height(i + 1, j + 1);
-    if ((first_x_ + i + first_y_ + j) % 2 == 0)
-      return u > v ? a + u * (b - a) + v * (d - b) : a + v * (c - a) + u * (d - c);
-    return u + v < 1 ? a + u * (b - a) + v * (c - a) : d + (1 - u) * (c - d) + (1 - v) * (b - d);
+    return inSquare((first_x_ + i + first_y_ + j) % 2 == 0, u0 - i, v0 - j,
+                    {height(i, j), height(i + 1, j), height(i, j + 1), height(i + 1, j + 1)});
   }
-
+  double& at(int64_t i, int64_t j) { return heights_[static_cast<size_t>(j * kWindow + i)]; }
   double height(uint32_t i, uint32_t j) const { return heights_[size_t{j} * kWindow + i]; }
 
   int64_t first_x_ = 0, first_y_ = 0;
