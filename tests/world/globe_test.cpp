@@ -1,6 +1,8 @@
 // Flights over a small planet: over poles, edges and corners of its cube the laws of a session hold as anywhere.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "oracle/crack_checker.h"
 #include "sim/world.h"
 #include "tests/support/globe_scene.h"
@@ -42,6 +44,30 @@ TEST_P(Globe, IsFlownOverByAllLaws) {
   }
 }
 INSTANTIATE_TEST_SUITE_P(SparseLevels, Globe, testing::Values(0, 5));
+
+// From whichever face a point of an edge is named, the ground there is the same.
+TEST(Globes, HaveOneGroundOverEdges) {
+  const auto scene = makeGlobeScene(6, 5);
+  const proto::GridTopology& grid = scene->grid();
+  World world(scene, {}, Duration::milliseconds(4), 1);
+  world.addClient(onKnownTour(*scene, "orbit", 8));
+  world.run(Time::seconds(3));
+  const client::Replica& replica = *world.viewer(0).replica();
+  size_t on_edges = 0;
+  for (const proto::Slot slot : replica.section().slots) {
+    const proto::NodeId n = grid.node(slot);
+    for (const proto::CubePlace& place : grid.cube().placesOf(n)) {
+      const double inside = grid.rootSize() - 1e-9;  // the last point of a face by its own coordinates
+      const double x = 1.0 * place.face * grid.rootSize() + std::min<double>(place.x, inside),
+                   y = std::min<double>(place.y, inside);
+      const auto height_m = replica.heightAt(x, y);
+      ASSERT_TRUE(height_m.has_value());
+      ASSERT_NEAR(*height_m, scene->height(n) * scene->frame().height_quantum_m, 1e-3);
+    }
+    on_edges += grid.isOnSeam(n);
+  }
+  EXPECT_GT(on_edges, 20u);
+}
 
 TEST(Globes, AreServedWithoutOcclusionOrRefused) {
   const auto scene = makeGlobeScene(5, 3);
