@@ -6,6 +6,8 @@ namespace foreland::server {
 
 Result<std::shared_ptr<const SceneOcclusion>> SceneOcclusion::create(const Hierarchy& hierarchy,
                                                                      std::shared_ptr<const HorizonGrid> grid) {
+  if (hierarchy.grid().isCube())
+    return Error{ErrorCode::kUnsupported, "what ridges hide is not known of globes; serve it with --occlusion off"};
   SceneOcclusion scene{BlockTops(hierarchy), std::move(grid), nullptr};
   if (!scene.grid) scene.grid = HorizonGrid::of(hierarchy);
   if (!scene.grid && hierarchy.scene().isSparse())
