@@ -158,11 +158,11 @@ export class RecordControl {
     this.begin_ms = performance.now();
     this.tell(0, count);
     this.show();
-    this.stage.beginFrames();
     const frames = new ExactFrames(this.stage.picture(), terrain);
     let words = '';
     try {
       frames.resize(width, height);
+      this.stage.beginFrames(); // what is asked for depends on the size
       words = await work(frames, abort.signal);
     } catch (error) {
       words = abort.signal.aborted && !(abort.signal.reason instanceof Error && abort.signal.reason.name === 'Error') ? 'The recording is cancelled.' : `Nothing is recorded: ${reasonOf(error)}`;
