@@ -3,6 +3,7 @@ import './ui/style.css';
 import { App } from './app';
 import { canDraw } from './draw/can_draw';
 import { wordsOf } from './ui/failure_words';
+import { languageOf, setLanguage } from './ui/language';
 import { showNotice, type Notice } from './ui/notice';
 import { serverAddress } from './ui/server_address';
 import { readAddress } from './ui/settings';
@@ -24,6 +25,7 @@ function main(): void {
   if (typeof WebAssembly === 'undefined')
     return fail('This browser cannot run the client core.', 'It needs WebAssembly. Try another browser, or switch WebAssembly on.');
   const query = new URLSearchParams(window.location.search);
+  setLanguage(languageOf(query.get('lang'), navigator.languages));
   const server = serverAddress(query.get('server'), window.location.href);
   if (!('url' in server)) return refuse(server, query);
   const app = new App(readAddress(window.location, server.url));

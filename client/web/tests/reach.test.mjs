@@ -6,11 +6,11 @@ import { join } from 'node:path';
 import { makeFolder, makeSceneOnEarth, openBrowser, openSources, root, startServer, status, until, visitPage } from './support.mjs';
 
 const kTest = { timeout: 300_000 };
-let folder, server, browser, sources, pads;
+let folder, server, browser, sources, pads, language;
 
 before(async () => {
   sources = await openSources();
-  pads = await sources.load('ui/gamepad.ts');
+  [pads, language] = await Promise.all(['ui/gamepad.ts', 'ui/language.ts'].map((path) => sources.load(path)));
   folder = await makeFolder();
   server = await startServer(await makeSceneOnEarth(folder.folder));
   browser = await openBrowser();
@@ -34,6 +34,16 @@ test('a gamepad rests in the middle, and moves and looks outside of that', () =>
   assert.deepEqual(pads.padState([pad([1, -1, 0, 1], { 7: 1, 5: 1 })]), { move: [1, 1, 1], look: [0, -1], is_faster: true });
   const [right] = pads.padState([pad([0.575, 0, 0, 0])]).move;
   assert.ok(Math.abs(right - 0.5) < 1e-9);
+});
+
+test('a language is the one that is asked for, or the first of the reader that there is; unknown words stay', () => {
+  const of = language.languageOf;
+  assert.deepEqual([of(null, []), of(null, ['it', 'fr-CA', 'de']), of('es', ['de']), of('xx', ['de-AT'])], ['en', 'fr', 'es', 'de']);
+  assert.equal(language.translated('Contours', 'de'), 'Höhenlinien');
+  assert.deepEqual([language.translated('Contours', 'en'), language.translated('12 m', 'fr')], ['Contours', '12 m']);
+  // Of bars there is no more room on the smallest screens than for English.
+  for (const bar of [['Measure', 'Path', 'Record', 'Share'], ['Survey', 'Canyon', 'Spin', 'Orbit']])
+    for (const each of language.kLanguages) assert.ok(bar.map((word) => language.translated(word, each)).join('').length <= bar.join('').length + 1, `${bar} ${each}`);
 });
 
 test('a gamepad flies the camera, and takes it from a tour', kTest, () =>

@@ -352,14 +352,14 @@ test('it fits a phone', kTest, () =>
 
 // Pairs of the page's parts that lie over one another.
 const overlaps = (page) => page.evaluate(() => {
-  const boxes = ['title', 'tools', 'panel', 'readout', 'compass', 'time', 'tours', 'hint'].map((id) => [id, document.getElementById(id).getBoundingClientRect()]);
+  const boxes = ['title', 'tools', 'panel', 'readout', 'map', 'compass', 'time', 'tours', 'hint'].map((id) => [id, document.getElementById(id).getBoundingClientRect()]);
   const covers = (a, b) => a.left < b.right && b.left < a.right && a.top < b.bottom && b.top < a.bottom;
   const shown = boxes.filter(([, box]) => box.width > 0);
   return shown.flatMap(([a, box], i) => shown.slice(i + 1).filter(([, other]) => covers(box, other)).map(([b]) => `${a}, ${b}`));
 });
 
 // The page's parts that reach beyond the window.
-const cutOff = (page) => page.evaluate(() => ['title', 'tools', 'panel', 'readout', 'compass', 'time', 'tours', 'hint'].filter((id) => {
+const cutOff = (page) => page.evaluate(() => ['title', 'tools', 'panel', 'readout', 'map', 'compass', 'time', 'tours', 'hint'].filter((id) => {
   const { left, top, right, bottom } = document.getElementById(id).getBoundingClientRect();
   return left < 0 || top < 0 || right > window.innerWidth || bottom > window.innerHeight;
 }));
@@ -409,12 +409,12 @@ test('who hears the page, or has little contrast, finds nothing serious amiss in
 test('no part of the page lies over another, on small screens and large ones, with a time line and without', kTest, async () => {
   const moving = await startServer(await makeMovingScene(folder.folder));
   try {
-    for (const at of [server, moving]) {
-      await visit('', async (page) => {
+    for (const [at, query] of [[server, ''], [moving, ''], [server, 'map=1&lang=fr'], [server, 'map=1&lang=de']]) {
+      await visit(query, async (page) => {
         for (const [width, height] of [[640, 360], [390, 844], [360, 640], [844, 390], [720, 600], [960, 600], [1280, 720], [1920, 1080]]) {
           await page.setViewportSize({ width, height });
-          assert.deepEqual(await overlaps(page), [], `${width} x ${height}`);
-          assert.deepEqual(await cutOff(page), [], `${width} x ${height}`);
+          assert.deepEqual(await overlaps(page), [], `${width} x ${height} ${query}`);
+          assert.deepEqual(await cutOff(page), [], `${width} x ${height} ${query}`);
         }
       }, { server: at, mobile: true, width: 640, height: 360, is_first_visit: true });
     }

@@ -17,7 +17,7 @@ export function addressHere(scene: Scene | null, { eye, look }: Controls, settin
 // To give away: without what only this visit wants, and without the token of whoever gives it.
 export function linkOf(query: URLSearchParams): string {
   const shared = new URLSearchParams(query);
-  shared.delete('record');
+  for (const own of ['record', 'lang']) shared.delete(own);
   return new URL(`${window.location.pathname}${queryText(shared)}`, window.location.href).href;
 }
 

@@ -33,12 +33,14 @@ export class ExactFrames {
   constructor(private readonly picture: Picture, private readonly terrain: Terrain) {
     const ground = picture.ground!;
     this.onMesh = ground.onMesh;
+    picture.name_texts.object.visible = false; // which are in sight is asked for while people fly
     ground.onMesh = (update) => {
       this.onMesh(update);
       this.note(update);
     };
   }
   end(): void {
+    this.picture.name_texts.object.visible = true;
     if (this.picture.ground) this.picture.ground.onMesh = this.onMesh;
   }
 
@@ -93,7 +95,7 @@ export class ExactFrames {
     if (!told) return;
     ++told.meshes;
     const { low, high } = terrain.scene.bounds, within_m = kRounded * Math.hypot(high[0] - low[0], high[1] - low[1]);
-    const is_for_pose = update.to_time_ms > Math.max(told.at_ms + kMoving_ms, this.from_ms) && isAt(update.to_pose, told.pose, within_m);
+    const is_for_pose = update.to_time_ms > Math.max(told.at_ms + kMoving_ms, this.from_ms) && isAt(update.to_pose, this.picture.asked(told.pose), within_m);
     const { tiles_received } = terrain.stats;
     if (!is_for_pose) this.still = null;
     else if (still && still.tiles_received === tiles_received && isSame(still.update, update)) this.still = { ...still, update, meshes: still.meshes + 1 };

@@ -1,4 +1,5 @@
 // Rows of controls that show values and change them. Each part of a form adds its rows to an element of its own.
+import { said } from './language';
 
 // A value that a control shows and changes.
 export interface Bound<T> {
@@ -31,13 +32,13 @@ export class Form {
   choice<T extends string>(rows: HTMLElement, title: string, name: string, values: readonly T[], titles: readonly string[], bound: Bound<T>): void {
     const group = element('div', 'choice');
     group.setAttribute('role', 'radiogroup');
-    group.setAttribute('aria-label', title);
+    group.setAttribute('aria-label', said(title));
     values.forEach((value, i) => {
       const label = element('label');
       const input = Object.assign(document.createElement('input'), { type: 'radio', name, value });
       input.onchange = () => this.change(bound, value);
       this.add(() => (input.checked = bound.get() === value));
-      label.append(input, Object.assign(element('span'), { textContent: titles[i]! }));
+      label.append(input, Object.assign(element('span'), { textContent: said(titles[i]!) }));
       group.append(label);
     });
     rows.append(group);
@@ -45,7 +46,7 @@ export class Form {
 
   select<T extends string>(rows: HTMLElement, title: string, name: string, values: readonly T[], titles: readonly string[], bound: Bound<T>): HTMLSelectElement {
     const select = Object.assign(document.createElement('select'), { name });
-    values.forEach((value, i) => select.add(new Option(titles[i], value)));
+    values.forEach((value, i) => select.add(new Option(said(titles[i]!), value)));
     select.onchange = () => this.change(bound, select.value as T);
     this.add(() => (select.value = bound.get()));
     this.row(rows, title, select);
@@ -79,7 +80,7 @@ export class Form {
 
   row(rows: HTMLElement, title: string, control: HTMLElement): HTMLElement {
     const row = element('label', 'row');
-    row.append(Object.assign(element('span'), { textContent: title }), control);
+    row.append(Object.assign(element('span'), { textContent: said(title) }), control);
     rows.append(row);
     return row;
   }

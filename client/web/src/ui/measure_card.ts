@@ -2,6 +2,7 @@
 import type { Scene } from '@foreland/client';
 import type { Measurement } from '../measure/measurement';
 import { areaText, heightText, lengthText, volumeText, type Units } from '../measure/units';
+import { said } from './language';
 import { ProfilePlot } from './profile_plot';
 import { isRemembered, remember } from './remembered';
 
@@ -33,7 +34,7 @@ export class MeasureCard {
     const header = document.createElement('header'), footer = document.createElement('footer');
     const close = buttonOf('\u00d7', 'measure_close', () => actions.close());
     close.ariaLabel = 'End measuring';
-    header.append(Object.assign(document.createElement('strong'), { textContent: 'Measure' }), this.unit_button, close);
+    header.append(Object.assign(document.createElement('strong'), { textContent: said('Measure') }), this.unit_button, close);
     footer.append(...Object.values(this.buttons));
     root.append(header, this.how, this.rows, this.plot.element, footer);
   }
@@ -49,7 +50,7 @@ export class MeasureCard {
       : count === 0 ? 'Click the ground; or press Enter for what is in the middle.'
       : count === 1 ? 'Click on for a line.' : count === 2 ? 'Click on for a longer line, or an area. Backspace takes a corner back.' : 'Backspace takes a corner back.';
     this.rows.replaceChildren(...rowsOf(measurement, scene, this.units).flatMap(([name, text]) => [
-      Object.assign(document.createElement('dt'), { textContent: name }), Object.assign(document.createElement('dd'), { textContent: text })]));
+      Object.assign(document.createElement('dt'), { textContent: name }), Object.assign(document.createElement('dd'), { textContent: said(text) })]));
     this.plot.show(measurement?.profile ?? null, this.units);
     for (const button of Object.values(this.buttons)) button.disabled = count === 0;
     this.buttons.csv.disabled = !measurement?.profile;
@@ -100,7 +101,7 @@ function windOf(radians: number): string {
 }
 
 function buttonOf(text: string, name: string, run: () => void): HTMLButtonElement {
-  const button = Object.assign(document.createElement('button'), { type: 'button' as const, name, textContent: text });
+  const button = Object.assign(document.createElement('button'), { type: 'button' as const, name, textContent: said(text) });
   button.onclick = run;
   return button;
 }

@@ -4,6 +4,7 @@ import type { MapPoint, Place, Terrain, Vector } from '@foreland/client';
 import { measure, pointOn, type Measurement } from '../measure/measurement';
 import { csvOf, geoJsonOf } from '../measure/measurement_files';
 import { pickExactly } from './exact_pick';
+import { said } from './language';
 import { MeasureCard } from './measure_card';
 import { saveFile } from './save_file';
 import { isForPage, isOnButton, onClicks, type Stage } from './stage';
@@ -20,7 +21,7 @@ export class MeasureControl {
   private readonly button: HTMLButtonElement;
 
   constructor(tools: HTMLElement, card: HTMLElement, private readonly stage: Stage) {
-    this.button = Object.assign(document.createElement('button'), { type: 'button' as const, textContent: 'Measure', title: 'Points, lines and areas on the exact ground (M)' });
+    this.button = Object.assign(document.createElement('button'), { type: 'button' as const, textContent: said('Measure'), title: 'Points, lines and areas on the exact ground (M)' });
     this.button.onclick = () => this.turn(!this.is_on);
     this.button.setAttribute('aria-pressed', 'false');
     tools.append(this.button);

@@ -5,6 +5,7 @@ import { kBlends, kPredictors, kStrategies } from '@foreland/client';
 import { kGrounds } from '@foreland/client/three';
 import { kExaggerations } from '../draw/exaggeration';
 import { boundTo, element, Form, type Bound } from './form';
+import { said } from './language';
 import { isRemembered, remember } from './remembered';
 import { adapts, mayAdapt, type Settings } from './settings';
 import { kSunModes } from './sun';
@@ -43,7 +44,7 @@ function pixelsText(px: number): string {
 }
 function qualityText(tau_px: number): string {
   const words = ['Finest', 'Fine', 'Good', 'Fast', 'Fastest'];
-  return words[Math.min(Math.max(Math.round(Math.log2(tau_px)) + 2, 0), 4)]!;
+  return said(words[Math.min(Math.max(Math.round(Math.log2(tau_px)) + 2, 0), 4)]!);
 }
 
 // Heights to two or three digits.
@@ -235,7 +236,7 @@ export class Panel {
 // Opens and folds the whole panel, which is open where there is room for it.
 function toggleOf(root: HTMLElement): HTMLElement {
   const toggle = Object.assign(document.createElement('button'), { type: 'button', className: 'toggle' });
-  toggle.innerHTML = '<span>Settings</span><svg viewBox="0 0 16 16" aria-hidden="true"><path d="M4 6l4 4 4-4"/></svg>';
+  toggle.innerHTML = `<span>${said('Settings')}</span><svg viewBox="0 0 16 16" aria-hidden="true"><path d="M4 6l4 4 4-4"/></svg>`;
   const fold = (is_open: boolean) => {
     root.classList.toggle('open', is_open);
     toggle.setAttribute('aria-expanded', String(is_open));
@@ -248,7 +249,7 @@ function toggleOf(root: HTMLElement): HTMLElement {
 // As it was left on the last visit.
 function foldOf(title: string, name: string): HTMLDetailsElement {
   const fold = document.createElement('details');
-  fold.append(Object.assign(element('summary'), { textContent: title }));
+  fold.append(Object.assign(element('summary'), { textContent: said(title) }));
   fold.open = isRemembered(name);
   fold.ontoggle = () => remember(name, fold.open);
   return fold;

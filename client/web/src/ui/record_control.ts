@@ -9,6 +9,7 @@ import { sizeWithin, timeLeft_s, timesOf, type Container, type Take } from '../r
 import { canEncode, pngOf, sinkOf, type FrameSink } from '../record/sinks';
 import type { FollowControl } from './follow_control';
 import { boundTo, element, Form } from './form';
+import { said } from './language';
 import { saveFile } from './save_file';
 import type { Stage } from './stage';
 import { reasonOf } from './words';
@@ -157,11 +158,11 @@ export class RecordControl {
     this.begin_ms = performance.now();
     this.tell(0, count);
     this.show();
-    this.stage.beginFrames();
     const frames = new ExactFrames(this.stage.picture(), terrain);
     let words = '';
     try {
       frames.resize(width, height);
+      this.stage.beginFrames(); // what is asked for depends on the size
       words = await work(frames, abort.signal);
     } catch (error) {
       words = abort.signal.aborted && !(abort.signal.reason instanceof Error && abort.signal.reason.name === 'Error') ? 'The recording is cancelled.' : `Nothing is recorded: ${reasonOf(error)}`;
@@ -182,7 +183,7 @@ export class RecordControl {
 }
 
 function buttonOf(text: string, name: string, run: () => void): HTMLButtonElement {
-  const button = Object.assign(document.createElement('button'), { type: 'button' as const, name, textContent: text });
+  const button = Object.assign(document.createElement('button'), { type: 'button' as const, name, textContent: said(text) });
   button.onclick = run;
   return button;
 }

@@ -1,5 +1,6 @@
 // Sharing what is seen: a link that leads here, and a frame for another page.
 import { boundTo, element, Form } from './form';
+import { said } from './language';
 
 const kFrames = { small: [640, 360], medium: [960, 540], large: [1280, 720] } as const;
 type FrameSize = keyof typeof kFrames;
@@ -53,10 +54,10 @@ export class ShareControl {
 }
 
 function help(text: string): HTMLElement {
-  return Object.assign(element('p', 'help'), { textContent: text });
+  return Object.assign(element('p', 'help'), { textContent: said(text) });
 }
 function buttonOf(text: string, name: string, run: () => void): HTMLButtonElement {
-  const button = Object.assign(document.createElement('button'), { type: 'button' as const, name, textContent: text });
+  const button = Object.assign(document.createElement('button'), { type: 'button' as const, name, textContent: said(text) });
   button.onclick = run;
   return button;
 }

@@ -1,5 +1,6 @@
 // The tours: the server plans a path, and the page flies it. A button for each starts and stops it.
 import type { Pose, Terrain } from '@foreland/client';
+import { said } from './language';
 import { kTours, type Tour } from './settings';
 
 const kTour_s = 180;
@@ -16,7 +17,7 @@ export class Tours {
     for (const tour of kTours) {
       const button = document.createElement('button');
       button.type = 'button';
-      button.textContent = kTitles[tour];
+      button.textContent = said(kTitles[tour]);
       button.dataset.tour = tour;
       button.setAttribute('aria-pressed', 'false');
       button.onclick = () => this.onChoice(this.wanted === tour ? null : tour);

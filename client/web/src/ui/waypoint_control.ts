@@ -5,6 +5,7 @@ import { tourIn, tourJson, tourKml, type Waypoint } from '../follow/waypoints';
 import { lengthText } from '../measure/units';
 import type { Controls } from './controls';
 import type { FollowControl } from './follow_control';
+import { said } from './language';
 import { isRemembered } from './remembered';
 import { saveFile } from './save_file';
 import { isForPage, type Stage } from './stage';
@@ -118,7 +119,7 @@ export class WaypointControl {
 }
 
 function buttonOf(text: string, name: string, run: () => void): HTMLButtonElement {
-  const button = Object.assign(document.createElement('button'), { type: 'button' as const, name, textContent: text });
+  const button = Object.assign(document.createElement('button'), { type: 'button' as const, name, textContent: said(text) });
   button.onclick = run;
   return button;
 }
