@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "proto/space/undulation_place.h"
+
 namespace foreland::client {
 
 void Screen::enter(proto::Welcome told) {
@@ -52,7 +54,7 @@ ScreenPlace Screen::placeAt(const glm::dvec3& point) const {
   if (const auto gradient = ground.heights().gradientAt(lattice))
     out.slope_rad = slopeOf(*transform, {lattice.x, lattice.y, *out.ground_m}, *gradient);
   const proto::UndulationGrid& undulations = welcome->vertical.undulations;
-  if (!undulations.isEmpty()) out.undulation_m = undulations.at({lattice.x, lattice.y});
+  if (!undulations.isEmpty()) out.undulation_m = undulations.at(proto::undulationPlace(*transform, lattice));
   return out;
 }
 

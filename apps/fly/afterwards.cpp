@@ -107,7 +107,7 @@ std::optional<oracle::FlightTruth> Afterwards::measure(const client::FlightLog& 
       oracle::measureFlight(log, *oracle_,
                             {.frame_every = options_.truth_every,
                              .max_frames = options_.truth_frames,
-                             .sections = exactSectionsOf(truth_),
+                             .sections = truth_->grid().isCube() ? nullptr : exactSectionsOf(truth_),
                              .terms_every = options_.truth_terms_every.value_or(terms_every),
                              .threads = options_.threads,
                              .on_progress = tell});

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "proto/space/undulation_place.h"
 #include "terrain/store/bilinear.h"
 
 namespace foreland::apps {
@@ -52,11 +53,15 @@ std::optional<SceneHeight> heightAt(const terrain::Scene& scene, glm::dvec2 latt
   proto::EpochWeights weights;
   weights.count = 0;
   if (!epochs.empty()) weights = epochs.weightsAt(epochs.clamp(static_cast<double>(scene_time.us)));
-  const auto at = [&](uint32_t x, uint32_t y) { return heightOf(scene, weights, proto::NodeId::at(x, y)); };
+  const uint32_t root_x = std::min(static_cast<uint32_t>(inside.x) >> shape.root_log2, shape.roots_x - 1);
+  const auto at = [&](uint32_t x, uint32_t y) {
+    return heightOf(scene, weights, scene.grid().nameIn(root_x, proto::NodeId::at(x, y)));
+  };
   SceneHeight out{};
   out.height_m =
       terrain::bilinear(shape.samples_x, shape.samples_y, inside.x, inside.y, at) * scene.frame().height_quantum_m;
-  out.both = proto::bothHeights(scene.vertical(), inside, out.height_m);
+  const glm::dvec2 place = proto::undulationPlace(proto::FrameTransform(scene.frame()), inside);
+  out.both = proto::bothHeights(scene.vertical(), place, out.height_m);
   nameSource(scene, inside, out);
   return out;
 }

@@ -43,6 +43,7 @@ uint64_t nodeCount(const terrain::Scene& scene) {
     return nodes;
   }
   const proto::GridShape& s = grid.shape();
+  if (grid.isCube()) return 6ull * grid.rootSize() * grid.rootSize() + 2 - 14;  // but for corners and centres of faces
   const uint64_t base = (s.roots_x + 1ull) * (s.roots_y + 1ull) + static_cast<uint64_t>(s.roots_x) * s.roots_y;
   return (grid.maxX() + 1ull) * (grid.maxY() + 1ull) - base;
 }
@@ -59,6 +60,12 @@ ordered_json describeFrame(const terrain::Scene& scene) {
     frame["origin"] = {{"map_m", pair(f.map_origin_m)}, {"lattice", pair(f.anchor)}};
     frame["axis_x_m"] = pair(f.axis_x_m);
     frame["axis_y_m"] = pair(f.axis_y_m);
+  } else if (f.kind == proto::FrameKind::kGlobe) {
+    frame["kind"] = "globe";
+    frame["axes"] = {"to longitude 0 on the equator", "to longitude 90 on the equator", "to the north pole"};
+    frame["face_steps"] = f.face_steps;
+    frame["floor_m"] = f.floor();
+    frame["ellipsoid"] = {{"semi_major_m", f.semi_major_m}, {"flattening", f.flattening}};
   } else {
     frame["kind"] = "geographic";
     frame["axes"] = {"east", "north", "up"};
@@ -141,6 +148,10 @@ void printFrame(const proto::Frame& f, const std::string& crs_wkt) {
                 f.anchor.x, f.anchor.y);
     std::printf("  axes     a sample along x is (%.6g, %.6g) m, along y (%.6g, %.6g) m\n", f.axis_x_m.x, f.axis_x_m.y,
                 f.axis_y_m.x, f.axis_y_m.y);
+  } else if (f.kind == proto::FrameKind::kGlobe) {
+    std::printf("frame      globe, six faces of %u x %u cells, earth-centred axes\n", f.face_steps, f.face_steps);
+    std::printf("  ellipsoid %.3f m, flattening 1 / %.9f; no ground lies below %.1f m\n", f.semi_major_m,
+                1 / f.flattening, f.floor());
   } else {
     std::printf("frame      geographic, local east-north-up\n");
     std::printf("  origin   latitude %.8f, longitude %.8f degrees, height %.3f m\n", f.origin.latitude_rad * kDegrees,

@@ -26,6 +26,10 @@ const char* kindOf(proto::ZeroSurface zero_surface) {
 // Over the scene, at the grid's values and the scene's corners.
 std::pair<double, double> rangeOf(const terrain::Scene& scene) {
   const proto::UndulationGrid& grid = scene.vertical().undulations;
+  if (scene.grid().isCube()) {  // a grid by degrees, all of which lies over the scene
+    const auto [low, high] = std::ranges::minmax(grid.metres);
+    return {low, high};
+  }
   const glm::dvec2 last(scene.grid().shape().samples_x - 1.0, scene.grid().shape().samples_y - 1.0);
   std::pair<double, double> range{grid.at({0, 0}), grid.at({0, 0})};
   for (uint32_t row = 0; row < grid.rows; ++row)

@@ -31,7 +31,7 @@ inline std::optional<std::vector<double>> numbersOf(const std::string& text) {
 // At height 0; of latitude and longitude in degrees, or of the map's x and y.
 inline proto::LatticePosition latticeOf(const proto::FrameTransform& transform, double a, double b) {
   constexpr double kDegree = 0.017453292519943295;
-  if (transform.frame().kind == proto::FrameKind::kGeographic)
+  if (transform.frame().isOnEllipsoid())
     return transform.toLattice(transform.toScene(proto::Geodetic{a * kDegree, b * kDegree, 0}));
   return transform.toLattice({glm::dvec2(a, b) - transform.frame().map_origin_m, 0});
 }

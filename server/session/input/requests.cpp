@@ -4,6 +4,7 @@
 #include <limits>
 #include <utility>
 
+#include "proto/space/undulation_place.h"
 #include "server/view/ground.h"
 #include "server/view/tour.h"
 
@@ -24,8 +25,11 @@ Bytes replyTo(const proto::GroundRequest& request, const terrain::Scene& scene) 
   for (const glm::dvec2& p : request.positions)
     reply.heights_m.push_back(
         static_cast<float>(groundHeight(scene, p.x, p.y).value_or(std::numeric_limits<double>::quiet_NaN())));
-  if (!undulations.isEmpty())
-    for (const glm::dvec2& p : request.positions) reply.undulations_m.push_back(static_cast<float>(undulations.at(p)));
+  if (!undulations.isEmpty()) {
+    const proto::FrameTransform transform(scene.frame());
+    for (const glm::dvec2& p : request.positions)
+      reply.undulations_m.push_back(static_cast<float>(undulations.at(proto::undulationPlace(transform, p))));
+  }
   return proto::encode(reply);
 }
 
