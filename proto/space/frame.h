@@ -77,7 +77,7 @@ class FrameTransform {
   glm::dvec3 toScene(const LatticePosition& position) const;
   glm::dvec3 toScene(const Geodetic& position) const;  // not in planar frames
   // Globes only: of a vertex of the lattice, the same bits as toScene() of its place.
-  glm::dvec3 vertexOfGlobe(uint32_t x, uint32_t y, double height_m) const {
+  [[gnu::noinline]] glm::dvec3 vertexOfGlobe(uint32_t x, uint32_t y, double height_m) const {
     const double step = 2.0 / frame_.face_steps;
     uint32_t face = x >> face_log2_;
     if (face > 5) face = 5;

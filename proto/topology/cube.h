@@ -48,7 +48,7 @@ class Cube {
     return {face, static_cast<int32_t>(n.x() - (face << log2_)), static_cast<int32_t>(n.y())};
   }
   // Of a point on the face's square, its sides and corners included.
-  NodeId name(CubePlace p) const {
+  [[gnu::noinline]] NodeId name(CubePlace p) const {
     if (p.x < side_ && p.y < side_) return nameWithin(p);
     const bool is_first = (p.face & 1) == 0;  // of the three that meet in one way
     if (p.x == side_ && p.y == side_) return nameWithin({after(p.face, 2), 0, 0});
@@ -63,7 +63,7 @@ class Cube {
   // Whether the point, by its own name, lies on an edge or a corner of the cube.
   bool isOnSeam(NodeId n) const { return (n.x() & (static_cast<uint32_t>(side_) - 1)) == 0 || n.y() == 0; }
   // A vertex's place by its name, then those on other faces.
-  CubePlaces placesOf(NodeId n) const {
+  [[gnu::noinline]] CubePlaces placesOf(NodeId n) const {
     const CubePlace own = placeOf(n);
     CubePlaces places;
     places.push(own);

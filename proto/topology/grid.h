@@ -113,17 +113,13 @@ class GridTopology {
   // Whether it names a vertex.
   bool contains(NodeId n) const {
     if (isCube()) [[unlikely]]
-      return n.x() < maxX() ? n.y() < maxY() || n == NodeId::at(0, maxY()) : n == NodeId::at(maxX(), 0);
+      return namesCubeVertex(n);
     return n.x() <= maxX() && n.y() <= maxY();
   }
   // Whether a node lies on an edge of a cube.
   bool isOnSeam(NodeId n) const { return isCube() && cube().isOnSeam(n); }
   // The vertex at (x, y) on the square of root `root_x` (and of any row), which may lie on its far sides: its name.
-  NodeId nameIn(uint32_t root_x, NodeId v) const {
-    if (!isCube()) return v;
-    const uint32_t west = root_x << shape_.root_log2;
-    return cube().name({root_x, static_cast<int32_t>(v.x() - west), static_cast<int32_t>(v.y())});
-  }
+  NodeId nameIn(uint32_t root_x, NodeId v) const { return isCube() ? nameOnFace(root_x, v) : v; }
 
   // log2 of the largest power of two dividing both coordinates, capped at k.
   uint32_t scaleLog2(NodeId n) const { return static_cast<uint32_t>(std::countr_zero((n.x() | n.y()) | rootSize())); }
@@ -144,7 +140,7 @@ class GridTopology {
     const uint32_t along_x = 0 - (x >> t & 1), dx = s & along_x,
                    dy = isCentreLevel(level) ? rise(x, y, t) : s & ~along_x;
     if (isCube()) [[unlikely]]
-      return {moved(n, 0 - dx, 0 - dy), moved(n, dx, dy)};
+      return cubeEndpoints(n, dx, dy);
     return {NodeId::at(x - dx, y - dy), NodeId::at(x + dx, y + dy)};
   }
   std::array<NodeId, 2> endpoints(NodeId n) const { return endpoints(n, level(n)); }
@@ -202,12 +198,8 @@ class GridTopology {
   // Whether all parents of a child of `n` but `n` itself, of which there is at most one, are there: isThere(NodeId).
   template <class IsThere>
   bool hasOtherParent(NodeId child, NodeId n, const IsThere& isThere) const {
-    if (isCube()) [[unlikely]] {
-      for (const NodeId apex : apexes(child))
-        if (apex != n) return isThere(apex);
-      return true;
-    }
-    const NodeId other = NodeId::at(2 * child.x() - n.x(), 2 * child.y() - n.y());  // they lie on both sides of it
+    const NodeId other = isCube() ? otherApex(child, n)
+                                  : NodeId::at(2 * child.x() - n.x(), 2 * child.y() - n.y());  // on both sides of it
     return !contains(other) || isThere(other);
   }
 
@@ -267,10 +259,25 @@ class GridTopology {
 
   // Of a cube: the vertex so many steps away, modulo 2^32, on the square that names the node, or as if the square
   // across the one edge that it lies on were a part of it.
-  NodeId moved(NodeId n, uint32_t dx, uint32_t dy) const {
+  [[gnu::noinline]] NodeId moved(NodeId n, uint32_t dx, uint32_t dy) const {
     const uint32_t side = rootSize() - 1, x = (n.x() & side) + dx, y = n.y() + dy;
     if (x <= side && y <= side && n.x() < maxX()) return NodeId::at(n.x() + dx, y);
     return cube().moved(n, static_cast<int32_t>(dx), static_cast<int32_t>(dy));
+  }
+  // What else is a cube's alone, not in line: grids pay for it neither in size nor in registers.
+  [[gnu::noinline]] std::array<NodeId, 2> cubeEndpoints(NodeId n, uint32_t dx, uint32_t dy) const {
+    return {moved(n, 0 - dx, 0 - dy), moved(n, dx, dy)};
+  }
+  [[gnu::noinline]] bool namesCubeVertex(NodeId n) const {
+    return n.x() < maxX() ? n.y() < maxY() || n == NodeId::at(0, maxY()) : n == NodeId::at(maxX(), 0);
+  }
+  [[gnu::noinline]] NodeId nameOnFace(uint32_t face, NodeId v) const {
+    const uint32_t west = face << shape_.root_log2;
+    return cube().name({face, static_cast<int32_t>(v.x() - west), static_cast<int32_t>(v.y())});
+  }
+  [[gnu::noinline]] NodeId otherApex(NodeId child, NodeId n) const {
+    const NodeList<2> both = apexes(child);
+    return both.ids[0] == n ? both.ids[1] : both.ids[0];
   }
   NodeList<2> cubeApexes(NodeId n, int level) const;
   NodeList<4> cubeChildren(NodeId n, int level) const;

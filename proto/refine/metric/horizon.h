@@ -34,13 +34,13 @@ class Horizon {
   Horizon(const Frame& frame, const View& view, const Frustum& frustum);
 
   bool hidesAnything() const { return ball_ > 0; }
-  bool hides(const ViewPosition& p, double radius_m) const {
+  [[gnu::noinline]] bool hides(const ViewPosition& p, double radius_m) const {
     if (!hidesAnything()) return false;
     const Inside in = inside(p);
     return std::min(in.cone, in.plane) >= radius_m * stretch_;
   }
   // How far the eye may surely move, metres, before hides() says something else; at least 0.
-  double slack(const ViewPosition& p, double radius_m) const {
+  [[gnu::noinline]] double slack(const ViewPosition& p, double radius_m) const {
     if (!hidesAnything()) return slack_if_useless_m_;
     const Inside in = inside(p);
     const double cone = in.cone - radius_m * stretch_, plane = in.plane - radius_m * stretch_;
@@ -59,7 +59,7 @@ class Horizon {
   struct Inside {
     double cone, plane, along, across;
   };
-  Inside inside(const ViewPosition& p) const {
+  [[gnu::noinline]] Inside inside(const ViewPosition& p) const {
     const glm::dvec3 view(p.x, p.y, p.z);
     glm::dvec3 at;
     for (int i = 0; i < 3; ++i) at[i] = rows_[i].x * view.x + rows_[i].y * view.y + rows_[i].z * view.z;
