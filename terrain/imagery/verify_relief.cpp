@@ -101,6 +101,8 @@ class ReliefCheck {
     }
     return true;
   }
+  // Of a half-size image.
+  static bool isPayload(uint32_t i) { return i >= kTileGutter / 2 && i < (kTileSide - kTileGutter) / 2; }
   // Compares the half-size image of a tile with the quadrant of its parent. Beyond the raster both repeat its border,
   // so they need not agree.
   bool isMeanOf(const TileId& child, const Scratch& scratch) const {
@@ -112,6 +114,8 @@ class ReliefCheck {
       for (uint32_t x = 0; x < kTileSide / 2; ++x) {
         const int64_t east = unclamped(child.x, 2 * x + 1), north = unclamped(child.y, 2 * y + 1);
         if (east < 1 || north < 1 || east >= width || north >= height) continue;
+        // Where a tile's neighbour is not stored, its gutter has the ground at the middles of texels.
+        if (scene_.isSparse() && !(isPayload(x) && isPayload(y))) continue;
         const int32_t* fine = &scratch.finer[size_t{2 * y} * kTileSide + 2 * x];
         const double mean = 0.25 * (int64_t{fine[0]} + fine[1] + fine[kTileSide] + fine[kTileSide + 1]);
         const double own = scratch.steps[size_t{below + y} * kTileSide + left + x];
