@@ -143,7 +143,7 @@ TEST(Session, CountsTheMemoryForWhatRidgesHide) {
 
 // By half an interval at most, and only if it is told to.
 TEST(Session, ComputesAKeyframeEarlyIfItIsToldTo) {
-  Session session(smallWorld(), {.max_early = Duration::milliseconds(1000)});
+  Session session(smallWorld(), {.max_early = Duration::milliseconds(1000), .slack = Duration{}});
   SessionScratch scratch;
   std::vector<Bytes> out;
   ASSERT_TRUE(session.receive(proto::encode(proto::ViewRequest{}), Time{}).ok());
