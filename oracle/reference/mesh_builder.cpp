@@ -1,5 +1,6 @@
 #include "oracle/reference/mesh_builder.h"
 
+#include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
 
@@ -55,6 +56,7 @@ void MeshBuilder::addBaseVertices() {
   mesh_.indices.reserve(6 * count);
   const auto add = [&](uint32_t x, uint32_t y) {
     const LatticePoint at{static_cast<int32_t>(x), static_cast<int32_t>(y)};
+    root_x_ = std::min(x >> shape.root_log2, shape.roots_x - 1);
     vertices_.push_back({.drawn = {{{truePosition(at, 0), true}, {truePosition(at, 1), true}}}});
     mesh_.parameters.emplace_back(static_cast<float>(x), static_cast<float>(y));
   };

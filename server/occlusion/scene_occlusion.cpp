@@ -9,6 +9,8 @@ Result<std::shared_ptr<const SceneOcclusion>> SceneOcclusion::create(const Hiera
   if (hierarchy.scene().isSparse())
     return Error{ErrorCode::kUnsupported,
                  "what ridges hide is not known of scenes with sparse levels; serve it with --occlusion off"};
+  if (hierarchy.grid().isCube())
+    return Error{ErrorCode::kUnsupported, "what ridges hide is not known of globes; serve it with --occlusion off"};
   SceneOcclusion scene{BlockTops(hierarchy), std::move(grid), nullptr};
   if (!scene.grid) scene.grid = HorizonGrid::of(hierarchy);
   if (!scene.grid) {

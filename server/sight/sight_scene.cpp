@@ -70,6 +70,7 @@ SightScene::SightScene(const Hierarchy& hierarchy, uint64_t tree_bytes)
       tree_(space_, tree_bytes) {}
 
 Result<std::shared_ptr<const SightScene>> SightScene::create(const Hierarchy& hierarchy, const SightOptions& options) {
+  if (hierarchy.grid().isCube()) return Error{ErrorCode::kUnsupported, "who sees what is not known of globes"};
   constexpr uint64_t kTreePerBlock = 96, kBytesPerNode = 40;  // about; a node has two triangles
   const proto::GridShape& shape = hierarchy.grid().shape();
   const uint64_t samples = uint64_t{shape.samples_x} * shape.samples_y, heights = GroundSurface::bytesFor(shape);

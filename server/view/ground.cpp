@@ -25,7 +25,10 @@ int32_t highestAt(const terrain::Scene& scene, proto::NodeId v) {
 std::optional<double> groundHeight(const terrain::Scene& scene, double x, double y) {
   const proto::GridShape& shape = scene.grid().shape();
   if (!(x >= 0 && y >= 0 && x <= shape.samples_x - 1 && y <= shape.samples_y - 1)) return std::nullopt;
-  const auto at = [&](uint32_t at_x, uint32_t at_y) { return highestAt(scene, proto::NodeId::at(at_x, at_y)); };
+  const uint32_t root_x = std::min(static_cast<uint32_t>(x) >> shape.root_log2, shape.roots_x - 1);
+  const auto at = [&](uint32_t at_x, uint32_t at_y) {
+    return highestAt(scene, scene.grid().nameIn(root_x, proto::NodeId::at(at_x, at_y)));
+  };
   return terrain::bilinear(shape.samples_x, shape.samples_y, x, y, at) * scene.frame().height_quantum_m;
 }
 

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "base/printable.h"
+#include "server/view/globe_tour.h"
 #include "server/view/ground.h"
 
 namespace foreland::server {
@@ -257,8 +258,9 @@ Status checkTour(const std::string& name) {
 
 Result<proto::Path> planTour(const terrain::Scene& scene, const std::string& name, double seconds) {
   if (Status known = checkTour(name); !known.ok()) return known.error();
-  const Ground ground(scene);
   const size_t steps = static_cast<size_t>(std::clamp(seconds, 1.0, 3600.0) / kStep.toSeconds()) + 2;
+  if (scene.grid().isCube()) return planGlobeTour(scene, name, steps, kStep);
+  const Ground ground(scene);
   return std::find_if(kTours.begin(), kTours.end(), [&](const Tour& tour) { return name == tour.name; })
       ->plan(ground, steps);
 }

@@ -33,10 +33,10 @@ inline double globeHills(uint64_t seed, const glm::dvec3& direction) {
   return metres;
 }
 
-// Faces of 2^face_log2 steps a side, whole but for so many of the finest levels, which are there around one corner of
-// the cube and one pole. Aborts the test on failure.
-inline std::shared_ptr<const terrain::Scene> makeGlobeScene(uint32_t face_log2, uint64_t seed,
-                                                            uint32_t sparse_levels = 0) {
+// A file of a planet with faces of 2^face_log2 steps a side, whole but for so many of the finest levels, which are
+// there around one corner of the cube and one pole. Aborts the test on failure.
+inline std::filesystem::path globeFile(const TemporaryFolder& folder, uint32_t face_log2, uint64_t seed,
+                                       uint32_t sparse_levels) {
   const proto::GridTopology grid =
       *proto::GridTopology::create(proto::GridTopology::cubeShape(face_log2, sparse_levels));
   const proto::Frame frame = makeGlobeFrame(face_log2);
@@ -50,13 +50,20 @@ inline std::shared_ptr<const terrain::Scene> makeGlobeScene(uint32_t face_log2, 
     for (const proto::NodeId near : {proto::NodeId::at(1, 1), proto::NodeId::at(2 * side + side / 2 + 1, side / 2 + 1)})
       deep.push_back(grid.slot(near));
   }
-  const TemporaryFolder folder;
+  const std::filesystem::path file = folder / "globe.fls";
   terrain::SceneOrigin origin;
   origin.title = "globe";
-  const auto report = terrain::buildSparseScene({grid, frame, deep, quanta}, {folder / "scene.fls", 1, origin});
-  if (!report.ok()) std::fprintf(stderr, "makeGlobeScene: %s\n", report.error().message.c_str());
+  const auto report = terrain::buildSparseScene({grid, frame, deep, quanta}, {file, 1, origin});
+  if (!report.ok()) std::fprintf(stderr, "globeFile: %s\n", report.error().message.c_str());
   CHECK_TRUE(report.ok());
-  const auto scene = terrain::Scene::open(folder / "scene.fls");
+  return file;
+}
+
+// The scene of such a file, which has no name any more.
+inline std::shared_ptr<const terrain::Scene> makeGlobeScene(uint32_t face_log2, uint64_t seed,
+                                                            uint32_t sparse_levels = 0) {
+  const TemporaryFolder folder;
+  const auto scene = terrain::Scene::open(globeFile(folder, face_log2, seed, sparse_levels));
   CHECK_TRUE(scene.ok());
   return *scene;
 }
