@@ -53,6 +53,7 @@ for at, room in enumerate(DEM_ROOMS):
 SEES["terrain/dem/voids"] = ["base"]  # knows no file format
 SEES["terrain/dem/insets"] = ["base", "terrain/dem/mosaic", "terrain/dem/voids"]  # nor where places come from
 SEES["terrain/dem/planet"] = ["base", "terrain/dem/insets"]  # nor do rasters around a body
+SEES["terrain/dem"] = [*SEES["terrain/dem"], "terrain/dem/voids"]
 REMESH_ROOMS = ["terrain/remesh/original", "terrain/remesh/simplify", "terrain/remesh/lattice", "terrain/remesh",
                 "terrain/remesh/paint"]
 for at, room in enumerate(REMESH_ROOMS):

@@ -12,6 +12,8 @@
 #include <utility>
 
 #include "terrain/dem/insets/feather.h"
+#include "terrain/dem/voids/void_regions.h"
+#include "terrain/dem/voids/voids.h"
 #include "terrain/geo/geodesy.h"
 
 namespace foreland::terrain {
@@ -19,6 +21,7 @@ namespace foreland::terrain {
 namespace {
 
 constexpr double kRadian = std::numbers::pi / 180;
+constexpr size_t kMostRuns = 1u << 24, kSmallGap = 50;  // of a raster's samples one in so many
 constexpr double kWide = 0.05;    // radians: patches that are wider are judged by their cones alone
 constexpr uint32_t kSurvey = 17;  // rows and columns of samples that a raster is surveyed at
 
@@ -68,6 +71,23 @@ GlobeInput describeLayer(const GlobeGroup& g, double feather_m) {
   for (const Tile& tile : g.group.mosaic.tiles)
     input.files.push_back(std::filesystem::path(tile.raster->info().name).filename().string());
   return input;
+}
+
+// Fills regions of voids that are small against a raster: its edges are mixed with what is below over a distance that
+// is large where the base is coarse, and around each of many gaps little would be left of it. Returns how many samples.
+uint64_t fillGaps(Samples& samples) {
+  const auto found = findVoidRegions(samples.metres, samples.width, samples.height, kMostRuns);
+  if (!found || found->runs.empty()) return 0;
+  std::vector<float> filled = samples.metres;
+  if (fillVoids(filled, samples.width, samples.height).all_void) return 0;
+  uint64_t count = 0;
+  for (const VoidRun& run : found->runs) {
+    if (found->regions[run.region].samples > samples.metres.size() / kSmallGap) continue;
+    const auto begin = static_cast<std::ptrdiff_t>(size_t{run.row} * samples.width + run.begin);
+    std::copy_n(filled.begin() + begin, run.end - run.begin, samples.metres.begin() + begin);
+    count += run.end - run.begin;
+  }
+  return count;
 }
 
 double angleBetween(const glm::dvec3& a, const glm::dvec3& b) {
@@ -189,6 +209,9 @@ Result<std::vector<GlobeLayer>> globeLayers(std::vector<LaidTile> tiles, const L
     if (info.title.size() <= 200) info.title += ", " + std::filesystem::path(name).filename().string();
     auto layer = readLayer(g.group, g.place, lattice, 0, info.warnings);
     if (!layer.ok()) return layer.error();
+    if (const uint64_t filled = fillGaps(layer->samples); filled > 0)
+      info.notes.push_back(
+          fmt::format("{}: {} samples of small gaps in it were filled from around them", name, filled));
     layer->weights = featherWeights(layer->samples, g.spacing_m, feather_m);
     layers.emplace_back(std::move(*layer), g.spacing_m);
   }

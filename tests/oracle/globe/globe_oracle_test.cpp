@@ -1,0 +1,165 @@
+// The judge of globes agrees with the engine on names and places, although they share no code; it finds nothing wrong
+// with a globe drawn at full resolution, and what was done to one.
+#include "oracle/globe/globe_oracle.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <glm/geometric.hpp>
+
+#include "oracle/globe/cube_faces.h"
+#include "proto/space/frame_grid.h"
+#include "tests/support/globe_scene.h"
+#include "tests/support/seed.h"
+
+namespace foreland::oracle {
+namespace {
+
+using proto::NodeId;
+
+constexpr uint32_t kLog2 = 5, kSide = 1u << kLog2;
+const proto::Lens kLens{.vertical_fov_rad = 1.2, .width_px = 800, .height_px = 800};
+
+TEST(CubeFaces, NamesEveryVertexAsTheEngineDoes) {
+  const CubeFaces faces(kLog2);
+  const proto::Cube cube(kLog2);
+  for (uint32_t face = 0; face < 6; ++face)
+    for (int32_t y = 0; y <= static_cast<int32_t>(kSide); ++y)
+      for (int32_t x = 0; x <= static_cast<int32_t>(kSide); ++x) {
+        const NodeId name = cube.name({face, x, y});
+        const CubeFaces::Point point = faces.pointOn(face, {x, y});
+        ASSERT_EQ(faces.nameOf(point), name) << face << ": " << x << ", " << y;
+        ASSERT_EQ(faces.pointOf(name), point) << face << ": " << x << ", " << y;
+        ASSERT_EQ(faces.placeOn(face, point), (glm::vec<2, int64_t>(x, y)));
+      }
+}
+
+TEST(CubeFaces, PlacesVerticesByGeographicLibWhereTheEngineDoes) {
+  const uint64_t seed = test::randomSeed();
+  Rng rng(seed);
+  proto::Frame frame;
+  frame.kind = proto::FrameKind::kGlobe;
+  frame.face_steps = 1u << 20;
+  const proto::FrameTransform transform(frame);
+  const CubeFaces faces(20);
+  for (int i = 0; i < 100'000; ++i) {
+    const auto x = static_cast<uint32_t>(rng.below(6u << 20)), y = static_cast<uint32_t>(rng.below(1u << 20));
+    const double height_m = rng.uniform(-11'000, 9'000);
+    proto::Geodetic at = faces.geodetic(x >> 20, {x & ((1u << 20) - 1), y});
+    at.height_m = height_m;
+    const glm::dvec3 expected = terrain::referencePosition({frame.semi_major_m, frame.flattening}, at);
+    ASSERT_LT(glm::distance(transform.vertexOfGlobe(x, y, height_m), expected), 1e-6) << "seed " << seed;
+  }
+}
+
+TEST(CubeFaces, HidesWhatLinesThroughTheBodyReach) {
+  const uint64_t seed = test::randomSeed();
+  Rng rng(seed);
+  const terrain::Ellipsoid body{10, 0.2};
+  for (int i = 0; i < 20'000; ++i) {
+    const auto any = [&](double reach) {
+      return glm::dvec3(rng.uniform(-reach, reach), rng.uniform(-reach, reach), rng.uniform(-reach, reach));
+    };
+    const glm::dvec3 eye = any(40), point = any(20);
+    double least = 1e9;
+    for (double t = 0; t <= 1; t += 1e-3) {
+      const glm::dvec3 p = eye + t * (point - eye);
+      least = std::min(least, glm::length(p / glm::dvec3(10, 10, 8)));
+    }
+    if (std::fabs(least - 1) < 0.01) continue;  // grazing: steps are too long to tell
+    ASSERT_EQ(isBehind(body, eye, point), least < 1) << "seed " << seed;
+  }
+}
+
+// All vertices of a scene, and two triangles for each cell of each face.
+client::KeyframeMesh meshOf(const terrain::Scene& scene) {
+  const proto::GridTopology& grid = scene.grid();
+  const proto::FrameGrid positions(scene.frame(), grid.maxX(), grid.maxY());
+  client::KeyframeMesh mesh;
+  std::vector<uint32_t> index(size_t{grid.maxX() + 1} * (grid.maxY() + 1), ~0u);
+  const auto vertex = [&](uint32_t face, uint32_t x, uint32_t y) {
+    const NodeId name = grid.nameIn(face, NodeId::at(face * kSide + x, y));
+    uint32_t& found = index[size_t{name.y()} * (grid.maxX() + 1) + name.x()];
+    if (found == ~0u) {
+      found = static_cast<uint32_t>(mesh.parameters.size());
+      mesh.parameters.emplace_back(name.x(), name.y());
+      mesh.from_positions.emplace_back(glm::vec3(positions.position(name, scene.height(name))), 0);
+    }
+    return found;
+  };
+  for (uint32_t face = 0; face < 6; ++face)
+    for (uint32_t y = 0; y < kSide; ++y)
+      for (uint32_t x = 0; x < kSide; ++x) {
+        const uint32_t sw = vertex(face, x, y), se = vertex(face, x + 1, y), nw = vertex(face, x, y + 1),
+                       ne = vertex(face, x + 1, y + 1);
+        for (const uint32_t v : {sw, se, ne, sw, ne, nw}) mesh.indices.push_back(v);
+      }
+  mesh.to_positions = mesh.from_positions;
+  return mesh;
+}
+
+proto::Pose over(const glm::dvec3& direction, double height_m) {
+  const glm::dvec3 n = glm::normalize(direction);
+  return {n * (20'000 + height_m), proto::lookAlong(-n, glm::normalize(glm::cross(n, glm::dvec3(0.2, 0.3, 0.9))))};
+}
+
+TEST(GlobeOracle, FindsNothingWrongWithAGlobeAtFullResolution) {
+  const uint64_t seed = test::randomSeed();
+  Rng rng(seed);
+  const auto scene = test::makeGlobeScene(kLog2, seed);
+  const client::KeyframeMesh mesh = meshOf(*scene);
+  EXPECT_EQ(mesh.parameters.size(), 6u * kSide * kSide + 2);
+  GlobeOracle oracle(scene);
+  for (const glm::dvec3& d :
+       {glm::dvec3(1, 1, 1), glm::dvec3(0, 0, 1), glm::dvec3(-1, 0.01, 0), glm::dvec3(1, -1, 0.2)}) {
+    const Deviation found = oracle.error(mesh, 0.5, over(d, rng.uniform(5'000, 60'000)), kLens);
+    EXPECT_LT(found.max_px, 1e-3) << "seed " << seed;
+    EXPECT_EQ(found.uncovered, 0u) << "seed " << seed;
+    EXPECT_GT(found.samples, 40u);
+  }
+}
+
+TEST(GlobeOracle, MeasuresALiftedVertexAndFindsHoles) {
+  const uint64_t seed = test::randomSeed();
+  const auto scene = test::makeGlobeScene(kLog2, seed);
+  client::KeyframeMesh mesh = meshOf(*scene);
+  GlobeOracle oracle(scene);
+  oracle.setSight({{}, 1});
+  // On an edge of the cube, seen from the side.
+  const NodeId on_edge = NodeId::at(kSide, kSide / 2);
+  size_t v = 0;
+  while (mesh.parameters[v] != glm::vec2(on_edge.x(), on_edge.y())) ++v;
+  const glm::dvec3 n = glm::normalize(glm::dvec3(mesh.from_positions[v]));
+  mesh.from_positions[v] += glm::vec4(20.0 * n, 0);
+  const Deviation near = oracle.error(mesh, 0, over(n + glm::dvec3(0, 0, 0.3), 8'000), kLens);
+  EXPECT_GT(near.max_px, 0.3) << "seed " << seed;
+  EXPECT_NEAR(near.max_m, 20, 0.1);
+  EXPECT_EQ(near.worst_sample, glm::uvec2(on_edge.x(), on_edge.y()));
+  // Behind the body nobody sees it, as large as it may be.
+  mesh.from_positions[v] -= glm::vec4(9'000.0 * n, 0);
+  EXPECT_LT(oracle.error(mesh, 0, over(-n, 40'000), kLens).max_px, 1.001) << "seed " << seed;
+  mesh.indices.resize(mesh.indices.size() - 6 * kSide);  // a row of the last face
+  EXPECT_GT(oracle.error(mesh, 1, over(glm::dvec3(0, 0.3, -1), 30'000), kLens).uncovered, 10u);
+}
+
+TEST(GlobeOracle, JudgesDeepVerticesWhereTheyAreThere) {
+  const uint64_t seed = test::randomSeed();
+  const auto scene = test::makeGlobeScene(kLog2 + 2, seed, 4);
+  EXPECT_TRUE(scene->isSparse());
+  GlobeOracle oracle(scene);
+  // Nothing is drawn: all that is there is uncovered, each vertex once but for those of edges.
+  uint64_t uncovered = 0;
+  for (const glm::dvec3& d : {glm::dvec3(1, 0, 0), glm::dvec3(-1, 0, 0)})
+    uncovered +=
+        oracle.error({}, 0, over(d, 1e6), {.vertical_fov_rad = 0.2, .width_px = 800, .height_px = 800}).uncovered;
+  uint64_t there = 0;
+  scene->pages().forEachPage([&](proto::Slot first, uint64_t) {
+    for (proto::Slot slot = first; slot < first + proto::kPageSlots; ++slot)
+      there += scene->grid().node(slot) != NodeId{} ? 1 : 0;
+  });
+  EXPECT_GE(uncovered, 2 * there);
+  EXPECT_LE(uncovered, 2 * (there + 14 + 12 * (kSide * 4 + 1)));
+}
+
+}  // namespace
+}  // namespace foreland::oracle
