@@ -6,6 +6,7 @@
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <iterator>
 #include <limits>
 #include <memory>
 #include <utility>
@@ -82,24 +83,40 @@ double medianOf(std::vector<double> values) {
   return *middle;
 }
 
+namespace {
+
+struct OpenGroup {
+  std::optional<int> priority;
+  std::vector<Tile> tiles;
+
+  // Insets that lie apart are groups apart, for what is between them would take memory.
+  bool takes(const LaidTile& laid) const {
+    return priority == laid.priority && isOnOneLattice(tiles.front(), laid.tile) &&
+           (!priority || std::ranges::any_of(tiles, [&](const Tile& t) { return touch(t, laid.tile); }));
+  }
+};
+
+}  // namespace
+
 Result<std::vector<TileGroup>> groupTiles(std::vector<LaidTile> tiles) {
-  struct Open {
-    std::optional<int> priority;
-    std::vector<Tile> tiles;
-  };
-  std::vector<Open> open;
+  std::vector<OpenGroup> open;
   for (LaidTile& laid : tiles) {
-    const auto group = std::ranges::find_if(
-        open, [&](const Open& g) { return g.priority == laid.priority && isOnOneLattice(g.tiles.front(), laid.tile); });
-    if (group != open.end()) {
-      group->tiles.push_back(std::move(laid.tile));
-      continue;
+    OpenGroup* taken = nullptr;
+    for (auto group = open.begin(); group != open.end();) {
+      if (!group->takes(laid)) {
+        ++group;
+      } else if (taken == nullptr) {
+        taken = &*group++;
+      } else {  // it lies between the two
+        std::ranges::move(group->tiles, std::back_inserter(taken->tiles));
+        group = open.erase(group);  // which lies behind the one that takes its tiles
+      }
     }
-    open.push_back({laid.priority, {}});
-    open.back().tiles.push_back(std::move(laid.tile));
+    if (taken == nullptr) taken = &open.emplace_back(OpenGroup{laid.priority, {}});
+    taken->tiles.push_back(std::move(laid.tile));
   }
   std::vector<TileGroup> groups;
-  for (Open& g : open) {
+  for (OpenGroup& g : open) {
     TileGroup group{g.priority, g.tiles.front().raster->info().name, {}};
     if (g.tiles.size() > 1) group.name += fmt::format(" and {} more", g.tiles.size() - 1);
     auto mosaic = makeMosaic(std::move(g.tiles));

@@ -73,16 +73,25 @@ Status checkCompatible(const Tile& first, const Tile& tile) {
   return {};
 }
 
-// Moves a tile across the date line to the side on which the first tile lies.
-void unwrap(const Tile& first, Tile& tile) {
-  if (tile.map.kind != MapKind::kGeographic) return;
-  const double turn = 2 * std::numbers::pi / tile.map.unit;
-  tile.map.transform[0] -= turn * std::round((tile.map.transform[0] - first.map.transform[0]) / turn);
+// Moves a map across the date line to the side on which the first one lies.
+void unwrap(const Georeference& first, Georeference& map) {
+  if (map.kind != MapKind::kGeographic) return;
+  const double turn = 2 * std::numbers::pi / map.unit;
+  map.transform[0] -= turn * std::round((map.transform[0] - first.transform[0]) / turn);
 }
 
 }  // namespace
 
 bool isOnOneLattice(const Tile& first, const Tile& tile) { return checkCompatible(first, tile).ok(); }
+
+bool touch(const Tile& a, const Tile& b) {
+  Georeference map = b.map;
+  unwrap(a.map, map);
+  const Offset o = toSamples(a.map.transform, map.transform[0], map.transform[3]);
+  const auto meet = [](double at, uint32_t own, uint32_t other) { return at < own + 0.5 && at + other > -0.5; };
+  return meet(o.column, a.raster->info().width, b.raster->info().width) &&
+         meet(o.row, a.raster->info().height, b.raster->info().height);
+}
 
 Result<Mosaic> makeMosaic(std::vector<Tile> tiles) {
   Mosaic out;
@@ -93,7 +102,7 @@ Result<Mosaic> makeMosaic(std::vector<Tile> tiles) {
   for (Tile& tile : out.tiles) {
     Offset exact;
     if (&tile != &first) {
-      unwrap(first, tile);
+      unwrap(first.map, tile.map);
       if (Status s = checkCompatible(first, tile); !s.ok()) return s.error();
       exact = toSamples(first.map.transform, tile.map.transform[0], tile.map.transform[3]);
     }

@@ -31,6 +31,9 @@ struct Mosaic {
 // it.
 bool isOnOneLattice(const Tile& first, const Tile& tile);
 
+// Whether tiles of one lattice overlap, or lie side by side.
+bool touch(const Tile& a, const Tile& b);
+
 // The lattice is that of the first tile. Error, naming both files, for tiles of different reference systems or
 // resolutions.
 Result<Mosaic> makeMosaic(std::vector<Tile> tiles);

@@ -142,6 +142,27 @@ TEST_F(Insets, ShowByPriorityAndThenInTheirOrder) {
   EXPECT_EQ(middleOf(0, 0, 7), 30);
 }
 
+// Insets of one grid that lie apart are laid over the base one by one, as what is between them is nobody's; those that
+// touch are one, in whatever order they are named.
+TEST_F(Insets, AreOneWhereTheyTouch) {
+  const std::string base = file("base.tif", base_field);
+  Field west = fine, between = fine, east = fine;
+  west.columns = east.columns = 12, between.columns = 10;
+  between.west += 12 * fine.step, east.west += 22 * fine.step;
+  const std::string w = file("west.tif", west), b = file("between.tif", between), e = file("east.tif", east);
+  const auto laid = [&](std::vector<std::string> names) {
+    OpenOptions options;
+    for (const std::string& name : names) options.insets.push_back({name, 0});
+    return std::ranges::count_if(ground({base}, options).info.notes, [](const std::string& note) {
+      return note.find("laid over the base") != std::string::npos;
+    });
+  };
+  EXPECT_EQ(laid({w, e}), 2);
+  EXPECT_EQ(laid({w, b}), 1);
+  EXPECT_EQ(laid({w, e, b}), 1);
+  EXPECT_EQ(laid({e, b, w}), 1);
+}
+
 TEST_F(Insets, VoidsShowWhatIsBelow) {
   Field upper = fine, lower = fine;
   lower.height = flat(700), lower.step = 9, lower.columns = 52, lower.rows = 45;
