@@ -8,15 +8,17 @@ namespace foreland::proto {
 
 namespace {
 
-constexpr uint32_t kMask = PageBlock::kSide - 1;
+constexpr uint32_t kSideMask = PageBlock::kSide - 1;
 
 uint64_t keyOf(const PagePlace& page) {
   return PageBlock::keyOf(page.level, page.column >> PageBlock::kSideLog2, page.row >> PageBlock::kSideLog2);
 }
-uint32_t bitOf(const PagePlace& page) { return (page.row & kMask) << PageBlock::kSideLog2 | (page.column & kMask); }
+uint32_t bitOf(const PagePlace& page) {
+  return (page.row & kSideMask) << PageBlock::kSideLog2 | (page.column & kSideMask);
+}
 
 Slot pageBegin(Slot slot) { return slot - slot % kPageSlots; }
-uint32_t blocksAlong(uint32_t pages) { return (pages + kMask) >> PageBlock::kSideLog2; }
+uint32_t blocksAlong(uint32_t pages) { return (pages + kSideMask) >> PageBlock::kSideLog2; }
 
 // The bits of pages inside of the grid, of a block that is.
 bool isInside(const GridTopology& grid, const PageBlock& block) {
