@@ -102,7 +102,7 @@ test('an eye that rests stays, whatever comes, and its own motion frees it', kTe
     assert.ok(buried.above_ground_m < -100, `${buried.above_ground_m} m above ground`);
     await page.locator('#scene').focus();
     await page.keyboard.down('KeyW');
-    await until(page, (s) => s.above_ground_m > 1.9);
+    await until(page, (s) => s.above_ground_m > 1.9, null, 120_000);  // in steps of a frame, of which there are few
     await page.keyboard.up('KeyW');
     const frames = await watchedFrames(page);
     const rises = frames.slice(1).map((f, i) => f.eye[2] - frames[i].eye[2]);
