@@ -391,6 +391,19 @@ void describeGlobe(const terrain::GlobeInfo& info, const terrain::GlobeDepth& de
   std::fprintf(stderr, "\n");
 }
 
+// Builds with a line of progress, and describes the scene. The exit code.
+template <class Build>
+int runBuild(const Arguments& arguments, Clock::time_point begun, const Build& build) {
+  apps::ProgressLine line;
+  const Result<terrain::BuildReport> built =
+      build(terrain::Progress{.report = [&](std::string_view stage, double done) { line.show(stage, done); },
+                              .keepGoing = [] { return !apps::isStopRequested(); }});
+  line.end();
+  if (!built.ok()) return fail(built.error());
+  describeScene(*built, arguments.output, std::chrono::duration<double>(Clock::now() - begun).count());
+  return 0;
+}
+
 int buildGlobe(const Arguments& arguments) {
   const Clock::time_point begun = Clock::now();
   if (Status s = checkOutput(arguments); !s.ok()) return fail(s.error());
@@ -402,18 +415,13 @@ int buildGlobe(const Arguments& arguments) {
   const auto depth = terrain::depthOf((*source)->info());
   if (!depth.ok()) return fail(depth.error());
   describeGlobe((*source)->info(), *depth);
-  apps::ProgressLine line;
-  const auto report =
-      terrain::buildGlobe(**source,
-                          {.output = arguments.output,
-                           .height_quantum_m = arguments.vertical_step_m.value_or(0.1),
-                           .threads = arguments.threads},
-                          {.report = [&](std::string_view stage, double done) { line.show(stage, done); },
-                           .keepGoing = [] { return !apps::isStopRequested(); }});
-  line.end();
-  if (!report.ok()) return fail(report.error());
-  describeScene(*report, arguments.output, std::chrono::duration<double>(Clock::now() - begun).count());
-  return 0;
+  return runBuild(arguments, begun, [&](const terrain::Progress& progress) {
+    return terrain::buildGlobe(**source,
+                               {.output = arguments.output,
+                                .height_quantum_m = arguments.vertical_step_m.value_or(0.1),
+                                .threads = arguments.threads},
+                               progress);
+  });
 }
 
 int build(const Arguments& arguments) {
@@ -449,15 +457,8 @@ int build(const Arguments& arguments) {
     options.imagery_quality = arguments.imagery_quality;
     options.attribution = arguments.attribution;
   }
-  apps::ProgressLine line;
-  const auto report =
-      terrain::buildScene(**source, options,
-                          {.report = [&](std::string_view stage, double done) { line.show(stage, done); },
-                           .keepGoing = [] { return !apps::isStopRequested(); }});
-  line.end();
-  if (!report.ok()) return fail(report.error());
-  describeScene(*report, arguments.output, std::chrono::duration<double>(Clock::now() - begun).count());
-  return 0;
+  return runBuild(arguments, begun,
+                  [&](const terrain::Progress& progress) { return terrain::buildScene(**source, options, progress); });
 }
 
 }  // namespace

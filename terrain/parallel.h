@@ -5,8 +5,12 @@
 #include <algorithm>
 #include <atomic>
 #include <cstdint>
+#include <mutex>
 #include <thread>
+#include <utility>
 #include <vector>
+
+#include "base/result.h"
 
 namespace foreland::terrain {
 
@@ -39,5 +43,22 @@ bool parallelFor(uint64_t count, unsigned threads, const Work& work, const Betwe
   }
   return done == count && !stop;
 }
+
+// The first failure of pieces of work on several threads. keep() on any thread; status() once they have ended.
+class FirstFailure {
+ public:
+  // Whether it is none.
+  bool keep(Status status) {
+    if (status.ok()) return true;
+    const std::lock_guard lock(mutex_);
+    if (first_.ok()) first_ = std::move(status);
+    return false;
+  }
+  const Status& status() const { return first_; }
+
+ private:
+  std::mutex mutex_;
+  Status first_;
+};
 
 }  // namespace foreland::terrain

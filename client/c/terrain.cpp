@@ -41,8 +41,7 @@ ForelandSight sightOf(const proto::SightReply& reply, size_t i) {
 
 Terrain::Terrain(const std::string& url, WebSocketClient::Options connection, Choice choice)
     : choice_(choice),
-      strategy_(requestOf(choice).value().strategy),
-      lens_(requestOf(choice).value().lens),
+      requested_(requestOf(choice).value()),
       has_meshes_(choice.options.meshes != FORELAND_OFF),
       session_(sessionOptions(url, std::move(connection), choice)) {}
 
@@ -239,8 +238,7 @@ Status Terrain::request(const Choice& choice) {
   if (!blend.ok()) return blend.error();
   if (*blend != *blendOf(choice_.options)) tell(told::SetBlend{*blend});
   choice_ = choice;
-  strategy_ = wanted->strategy;
-  lens_ = wanted->lens;
+  requested_ = *wanted;
   tell(told::Request{std::move(*wanted)});
   return {};
 }
@@ -281,7 +279,7 @@ void Terrain::jump() {
 ForelandFrame Terrain::frame(Time now, const proto::Pose& pose) {
   receive();
   now = last_frame_ = std::max(now, last_frame_);
-  const ScreenFrame shown = screen_.frame(now, pose, lens_, strategy_, ready_, coming_);
+  const ScreenFrame shown = screen_.frame(now, pose, requested_.lens, requested_.strategy, ready_, coming_);
   const proto::Pose& camera = shown.pose;
   const glm::dquat& q = camera.orientation;
   ForelandFrame out{.size = sizeof(ForelandFrame),

@@ -86,8 +86,7 @@ class Terrain {
   Status request(const Choice& choice);
 
   Choice choice_;
-  proto::Strategy strategy_;
-  proto::Lens lens_;
+  proto::ViewRequest requested_;  // of choice_
   const bool has_meshes_;
   Screen screen_;
   std::deque<Happening> happenings_;

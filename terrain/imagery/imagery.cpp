@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <atomic>
 #include <memory>
-#include <mutex>
 #include <span>
 #include <utility>
 #include <vector>
@@ -87,7 +86,7 @@ class ImageryMaker {
         level = std::move(coarse);
       }
       makeLevel(l, *level);
-      if (!failure_.ok()) return failure_;
+      if (!failure_.status().ok()) return failure_.status();
     }
     report_.is_complete = is_going_;
     return {};
@@ -119,7 +118,7 @@ class ImageryMaker {
     for (uint32_t y = 0; y < layer_.tilesY(0) && is_going_; y += kBatchRows)
       for (uint32_t x = 0; x < layer_.tilesX(0) && is_going_; x += kBatchColumns) {
         if (Status s = makeBatch(x, y, coarse); !s.ok()) return s;
-        if (!failure_.ok()) return failure_;
+        if (!failure_.status().ok()) return failure_.status();
       }
     return {};
   }
@@ -224,13 +223,8 @@ class ImageryMaker {
     const float detail = detailOf(scratch.texels, colours);
     if (!layer_.isCoarsest(tile) && !has_finer && detail < kMinDetail) return;
     const auto bytes = encodeTile(colours, options_.quality);
-    keep(bytes ? section_.add(tile, *bytes, bounds, detail) : Status(bytes.error()));
+    failure_.keep(bytes ? section_.add(tile, *bytes, bounds, detail) : Status(bytes.error()));
     ++stored_;
-  }
-
-  void keep(Status status) {
-    const std::lock_guard lock(mutex_);
-    if (!status.ok() && failure_.ok()) failure_ = std::move(status);
   }
 
   PictureSource& picture_;
@@ -247,8 +241,7 @@ class ImageryMaker {
   uint64_t done_ = 0;
   bool is_going_ = true;
   std::atomic<uint64_t> stored_{0}, covered_{0};
-  std::mutex mutex_;
-  Status failure_;  // the first of any thread
+  FirstFailure failure_;
 };
 
 }  // namespace

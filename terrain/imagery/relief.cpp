@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <mutex>
 #include <vector>
 
 #include "proto/imagery/relief_codec.h"
@@ -79,7 +78,7 @@ class ReliefMaker {
     return {level.data(), layer_.widthAt(l), layer_.heightAt(l)};
   }
   Result<bool> finish() {
-    if (!failure_.ok()) return failure_.error();
+    if (!failure_.status().ok()) return failure_.status().error();
     return done_ == all_;
   }
 
@@ -94,11 +93,12 @@ class ReliefMaker {
           const proto::TileId tile{layer_index_, level, static_cast<uint32_t>(i % tiles_x),
                                    static_cast<uint32_t>(i / tiles_x)};
           takeSteps(tile, heights, scratch[worker].steps);
-          keep(section_.add(tile, proto::encodeRelief(scratch[worker].steps), boundsOf(tile, scratch[worker]), 0));
+          failure_.keep(
+              section_.add(tile, proto::encodeRelief(scratch[worker].steps), boundsOf(tile, scratch[worker]), 0));
         },
         [&](uint64_t done) { return keepGoing_(static_cast<double>(done_ + done) / static_cast<double>(all_)); });
     if (complete) done_ += count;
-    return complete && failure_.ok();
+    return complete && failure_.status().ok();
   }
 
   template <class T>
@@ -127,11 +127,6 @@ class ReliefMaker {
     return unionOf(std::span<const proto::TileBounds>(children));
   }
 
-  void keep(Status status) {
-    const std::lock_guard lock(mutex_);
-    if (!status.ok() && failure_.ok()) failure_ = std::move(status);
-  }
-
   GroundBounds ground_;
   TileSection& section_;
   uint8_t layer_index_;
@@ -140,8 +135,7 @@ class ReliefMaker {
   unsigned threads_;
   const KeepGoing& keepGoing_;
   uint64_t all_, done_ = 0;
-  std::mutex mutex_;
-  Status failure_;  // the first of any thread
+  FirstFailure failure_;
 };
 
 }  // namespace

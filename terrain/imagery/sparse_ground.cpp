@@ -4,7 +4,6 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <limits>
-#include <mutex>
 #include <numbers>
 #include <unordered_map>
 
@@ -238,7 +237,7 @@ class SparseReliefMaker {
     for (uint32_t level = 0; level < layer_.levels(); ++level) {
       LevelTiles tiles;
       const bool is_complete = makeLevel(level, finer, tiles);
-      if (!failure_.ok()) return failure_.error();
+      if (!failure_.status().ok()) return failure_.status().error();
       if (!is_complete) return false;
       finer = std::move(tiles);
     }
@@ -264,8 +263,8 @@ class SparseReliefMaker {
             onProgress))
       return false;
     if (!parallelFor(
-            ids.size(), threads_, [&](uint64_t i, unsigned worker) { keep(add(ids[i], tiles, nodes[worker])); },
-            onProgress))
+            ids.size(), threads_,
+            [&](uint64_t i, unsigned worker) { failure_.keep(add(ids[i], tiles, nodes[worker])); }, onProgress))
       return false;
     done_ += ids.size();
     return true;
@@ -334,11 +333,6 @@ class SparseReliefMaker {
     return unionOf(std::span<const proto::TileBounds>(parts));
   }
 
-  void keep(Status status) {
-    const std::lock_guard lock(mutex_);
-    if (!status.ok() && failure_.ok()) failure_ = std::move(status);
-  }
-
   const StoredHeights& ground_;
   const SparseGroundBounds& bounds_;
   TileSection& section_;
@@ -349,8 +343,7 @@ class SparseReliefMaker {
   unsigned threads_;
   const KeepGoing& keepGoing_;
   uint64_t all_, done_ = 0;
-  std::mutex mutex_;
-  Status failure_;  // the first of any thread
+  FirstFailure failure_;
 };
 
 }  // namespace

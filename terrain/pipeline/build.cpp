@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
-#include <mutex>
 #include <new>
 #include <optional>
 
 #include "terrain/bounds/bounds.h"
 #include "terrain/dem/voids/voids.h"
 #include "terrain/imagery/relief.h"
+#include "terrain/parallel.h"
 #include "terrain/pipeline/scene_parts.h"
 #include "terrain/pipeline/sparse_source.h"
 #include "terrain/store/bilinear.h"
@@ -200,14 +200,9 @@ Status makeRelief(const Terrain& terrain, const BuildOptions& options, const Pro
 }
 
 Status bound(const Terrain& terrain, unsigned threads, const SceneWriter& writer, const Progress& progress) {
-  Status failure;  // the first of any thread
-  std::mutex mutex;
+  FirstFailure failure;
   const auto store = [&](proto::Slot first, std::span<const NodeRecord> records) {
-    Status status = writer.put(first, records);
-    const bool ok = status.ok();
-    const std::lock_guard lock(mutex);
-    if (!ok && failure.ok()) failure = std::move(status);
-    return ok;
+    return failure.keep(writer.put(first, records));
   };
   progress.report("bounding", 0);
   const bool complete = computeBounds(
@@ -226,7 +221,7 @@ Status bound(const Terrain& terrain, unsigned threads, const SceneWriter& writer
              progress.report("bounding", fraction);
              return progress.keepGoing();
            }});
-  if (!failure.ok()) return failure;
+  if (!failure.status().ok()) return failure.status();
   return complete ? Status() : Status(stopped());
 }
 
