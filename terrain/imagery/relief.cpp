@@ -7,6 +7,7 @@
 #include "proto/imagery/relief_codec.h"
 #include "terrain/geo/geodesy.h"
 #include "terrain/imagery/ground_bounds.h"
+#include "terrain/imagery/relief_steps.h"
 #include "terrain/parallel.h"
 
 namespace foreland::terrain {
@@ -70,7 +71,7 @@ class ReliefMaker {
 
  private:
   struct Scratch {
-    std::vector<int32_t> steps = std::vector<int32_t>(proto::kTileTexels);
+    std::vector<int32_t> steps;
     std::vector<glm::dvec3> positions;
   };
 
@@ -92,29 +93,15 @@ class ReliefMaker {
         [&](uint64_t i, unsigned worker) {
           const proto::TileId tile{layer_index_, level, static_cast<uint32_t>(i % tiles_x),
                                    static_cast<uint32_t>(i / tiles_x)};
-          takeSteps(tile, heights, scratch[worker].steps);
+          takeReliefSteps(
+              layer_, tile, height_quantum_m_, [&](uint32_t x, uint32_t y) { return heights.row(y)[x]; },
+              scratch[worker].steps);
           failure_.keep(
               section_.add(tile, proto::encodeRelief(scratch[worker].steps), boundsOf(tile, scratch[worker]), 0));
         },
         [&](uint64_t done) { return keepGoing_(static_cast<double>(done_ + done) / static_cast<double>(all_)); });
     if (complete) done_ += count;
     return complete && failure_.status().ok();
-  }
-
-  template <class T>
-  void takeSteps(const proto::TileId& tile, const LevelView<T>& heights, std::vector<int32_t>& steps) const {
-    const double scale = height_quantum_m_ / (layer_.step_m * static_cast<double>(uint64_t{1} << tile.level));
-    const auto clamped = [](uint32_t tile_at, uint32_t i, uint32_t count) {
-      const int64_t at = int64_t{tile_at} * proto::kTilePayload + i - proto::kTileGutter;
-      return static_cast<uint32_t>(std::clamp<int64_t>(at, 0, int64_t{count} - 1));
-    };
-    auto out = steps.begin();
-    for (uint32_t y = 0; y < proto::kTileSide; ++y) {
-      const T* row = heights.row(clamped(tile.y, y, heights.height));
-      for (uint32_t x = 0; x < proto::kTileSide; ++x)
-        *out++ =
-            static_cast<int32_t>(std::nearbyint(static_cast<double>(row[clamped(tile.x, x, heights.width)]) * scale));
-    }
   }
 
   proto::TileBounds boundsOf(const proto::TileId& tile, Scratch& scratch) const {

@@ -11,6 +11,7 @@
 #include "terrain/geo/geodesy.h"
 #include "terrain/imagery/ground_bounds.h"
 #include "terrain/imagery/normal_cone.h"
+#include "terrain/imagery/relief_steps.h"
 #include "terrain/parallel.h"
 #include "terrain/store/flat_squares.h"
 
@@ -304,22 +305,15 @@ class SparseReliefMaker {
   Status add(const TileId& tile, const LevelTiles& tiles, NodesAbout& nodes) {
     nodes.moveTo(tile.level, int64_t{tile.x} * kTilePayload - kTileGutter - 1,
                  int64_t{tile.y} * kTilePayload - kTileGutter - 1);
-    const double scale = height_quantum_m_ / (layer_.step_m * static_cast<double>(uint64_t{1} << tile.level));
-    const auto clamped = [](uint32_t tile_at, uint32_t i, uint32_t count) {
-      return static_cast<uint32_t>(
-          std::clamp<int64_t>(int64_t{tile_at} * kTilePayload + i - kTileGutter, 0, int64_t{count} - 1));
-    };
-    std::vector<int32_t> steps(proto::kTileTexels);
-    auto out = steps.begin();
-    for (uint32_t j = 0; j < kTileSide; ++j)
-      for (uint32_t i = 0; i < kTileSide; ++i) {
-        const uint32_t x = clamped(tile.x, i, layer_.widthAt(tile.level)),
-                       y = clamped(tile.y, j, layer_.heightAt(tile.level));
-        const TileId at{layer_index_, tile.level, x / kTilePayload, y / kTilePayload};
-        const auto found = tiles.find(at.key());
-        const double height = found != tiles.end() ? own(found->second, at, x, y) : middleOf(tile.level, x, y, nodes);
-        *out++ = static_cast<int32_t>(std::nearbyint(height * scale));
-      }
+    std::vector<int32_t> steps;
+    takeReliefSteps(
+        layer_, tile, height_quantum_m_,
+        [&](uint32_t x, uint32_t y) {
+          const TileId at{layer_index_, tile.level, x / kTilePayload, y / kTilePayload};
+          const auto found = tiles.find(at.key());
+          return found != tiles.end() ? own(found->second, at, x, y) : middleOf(tile.level, x, y, nodes);
+        },
+        steps);
     return section_.add(tile, proto::encodeRelief(steps), boundsOf(tile), 0);
   }
 
