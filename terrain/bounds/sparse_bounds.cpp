@@ -55,7 +55,7 @@ class Bounds {
 
   bool run() {
     double done = 0;
-    const auto pieces = static_cast<double>(job_.records.size() / kPieceSlots);
+    const auto pieces = static_cast<double>(job_.records.size()) / static_cast<double>(kPieceSlots);
     const auto progress = [&](double part) { return job_.onProgress(std::min((done + part) / (2 * pieces), 1.0)); };
     for (int level = 1; level <= grid_.maxLevel(); ++level) {
       const auto place = [&](uint64_t piece, unsigned) { setHeights(level, piece); };

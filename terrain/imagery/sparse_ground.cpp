@@ -256,7 +256,7 @@ class SparseReliefMaker {
         }
     std::vector<NodesAbout> nodes(threadCount(threads_));
     const auto onProgress = [&](uint64_t done) {
-      return keepGoing_(static_cast<double>(done_ + done / 2) / static_cast<double>(all_));
+      return keepGoing_((static_cast<double>(done_) + 0.5 * static_cast<double>(done)) / static_cast<double>(all_));
     };
     if (!parallelFor(
             ids.size(), threads_,
