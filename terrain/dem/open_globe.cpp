@@ -112,8 +112,8 @@ Result<GlobeBase> readGlobeBase(Mosaic mosaic, const OpenOptions& options, Globe
   if (frame.kind != proto::FrameKind::kGeographic)
     return Error{ErrorCode::kInvalidArgument,
                  name +
-                     ": a globe's first input must be in latitude and longitude; gdalwarp -t_srs EPSG:4326 brings "
-                     "it there"};
+                     ": a globe's first input must go around it in latitude and longitude; what covers a part comes "
+                     "as --inset"};
   info.title = titleOf(mosaic);
   info.crs_wkt = map.crs_wkt;
   info.semi_major_m = frame.semi_major_m;

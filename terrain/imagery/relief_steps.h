@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "proto/imagery/relief_codec.h"
 #include "proto/imagery/tile.h"
 
 namespace foreland::terrain {

@@ -55,6 +55,8 @@ inline void makeElevation(const fs::path& folder) {
   writeText(folder / "vertical.vrt", vrtOver("hills.asc", "EPSG:32617+6360", north_up, ""));
   writeText(folder / "map_in_feet.vrt", vrtOver("hills.asc", "EPSG:2264", "1500000, 100, 0, 700000, 0, -100", ""));
   writeText(folder / "untagged.vrt", vrtOver("gaps.asc", "EPSG:32632", north_up, ""));
+  writeText(folder / "planet.vrt",
+            vrtOver("degrees.asc", "EPSG:4326", "-180, 5.5384615384615383, 0, 90, 0, -2.7692307692307692", ""));
   writeText(folder / "turned.vrt", vrtOver("hills.asc", "EPSG:4326", "7.5, 0.001, 0.0003, 46.5, 0.0003, -0.001", ""));
   writeText(
       folder / "rotated_pole.vrt",

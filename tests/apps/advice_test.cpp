@@ -88,6 +88,16 @@ std::vector<Advice> elevation() {
        {},
        "build @terrarium.ppm -o @a.fls",
        {"build @terrarium.ppm --encoding terrarium -o @a.fls", "build @hills.tif --imagery @terrarium.ppm -o @a.fls"}},
+      {"a globe's first input must go around it in latitude and longitude; what covers a part comes as --inset",
+       "",
+       {},
+       "build @hills.tif --globe -o @a.fls",
+       {"build @planet.vrt --globe --inset @hills.tif -o @a.fls"}},
+      {"nothing says what the heights are above, so they are taken as above the ellipsoid",
+       "",
+       {},
+       "build @planet.vrt --globe -o @a.fls",
+       {"build @planet.vrt --globe --vertical egm96 -o @a.fls"}},
       {"another with --nodata", "", {}, "build @void.asc -o @a.fls", {"build @void.asc --nodata -1 -o @a.fls"}},
       {"--nodata names another value",
        "",
@@ -369,7 +379,9 @@ constexpr std::array kNotRun{
                                                                                                          // all
     "more than 2^24 a side; cut out", "more than 2^32; make it coarser",                   // of rasters of terabytes
     "PROJ knows no exact transformation between their reference systems on this machine",  // which depends on that
-    "no grid of undulations: it has",  // tests/terrain/dem/vertical has such a grid
+    "so places may be off by up to 200 m; `projsync --file` or the package proj-data brings the grids",
+    "holds no data, only voids; check the file and --nodata",  // reading a file of voids says so before
+    "no grid of undulations: it has",                          // tests/terrain/dem/vertical has such a grid
     "its georeference is degenerate; correct it with gdal_translate -a_ullr",  // GDAL drops such a georeference
     "its reference system has no unit; name one with gdal_translate -a_srs",   // GDAL gives it a unit
 };
