@@ -105,8 +105,7 @@ class ReliefCheck {
   static bool isPayload(uint32_t i) { return i >= kTileGutter / 2 && i < (kTileSide - kTileGutter) / 2; }
   // Whether the texel (x, y) of the level above a tile's is in a tile that is there. Sparse scenes lack some, and then
   // its neighbours' gutters hold the ground at the texel's middle, which is not the mean of what the finer level has.
-  // A finer tile that lacks a neighbour has the ground in its gutter, too, but there so have the parents that are
-  // there.
+  // Where the finer tile alone lacks its neighbour, its gutter and the parent's own texel are of the same ground.
   bool isStored(const TileId& tile, int64_t x, int64_t y) const {
     return !scene_.isSparse() || tiles_.bounds({tile.layer, static_cast<uint8_t>(tile.level + 1),
                                                 static_cast<uint32_t>(x) / proto::kTilePayload,
