@@ -22,6 +22,7 @@
 #include "apps/options/output_file.h"
 #include "apps/report/progress_line.h"
 #include "apps/stop_signal.h"
+#include "terrain/dem/on_lattice.h"
 #include "terrain/dem/open.h"
 #include "terrain/dem/open_globe.h"
 #include "terrain/dem/pictures/open_pictures.h"
@@ -161,9 +162,9 @@ void describeChanges(CLI::App& app, Arguments& arguments) {
       ->type_name(apps::text("MODEL.fls@LAT,LON|here[,HEIGHT[,HEADING[,SCALE]]]"))
       ->allow_extra_args(false);
   app.add_option("--epoch", arguments.epochs,
-                 "the ground at a date: the scene changes in time from the first date to the last. The file has the "
-                 "samples of INPUT or a window of them; outside, and where it has no data, the ground is as at the "
-                 "date before. The first is laid over INPUT")
+                 "the ground at a date: the scene changes in time from the first date to the last. The file may have "
+                 "any grid and resolution; outside of it, and where it has no data, the ground is as at the date "
+                 "before. The first is laid over INPUT")
       ->type_name(apps::text("YYYY-MM-DD=FILE"))
       ->allow_extra_args(false);
   static const std::map<std::string, proto::EpochBlend> blends{{"linear", proto::EpochBlend::kLinear},
@@ -313,8 +314,9 @@ Result<std::vector<terrain::EpochRequest>> epochsOfPoses(const std::vector<terra
   return epochs;
 }
 
-// Heights of epochs count from what the scene's do.
-Result<OpenedEpochs> openEpochs(const Arguments& arguments, const std::string& scene_vertical) {
+// Heights of epochs count from what the scene's do, and lie on its lattice.
+Result<OpenedEpochs> openEpochs(const Arguments& arguments, const std::string& scene_vertical,
+                                const terrain::ElevationInfo& scene) {
   OpenedEpochs epochs;
   terrain::OpenOptions open = arguments.open;
   open.insets.clear();
@@ -329,7 +331,9 @@ Result<OpenedEpochs> openEpochs(const Arguments& arguments, const std::string& s
     const std::filesystem::path file = text.substr(split + 1);
     if (Status s = apps::checkApart(arguments.output, file, "one of the epochs"); !s.ok()) return s.error();
     auto source = terrain::openElevation({file}, open);
-    if (!source) return source.error();
+    if (source.ok() && !terrain::isOnLatticeOf((*source)->info(), scene))
+      source = terrain::openOnLattice(file, open, scene);
+    if (!source) return Error{source.error().code, "epoch " + text.substr(0, split) + ": " + source.error().message};
     epochs.requests.push_back({*time, text.substr(0, split), source->get()});
     epochs.sources.push_back(std::move(*source));
   }
@@ -442,7 +446,7 @@ int build(const Arguments& arguments) {
                                 .threads = arguments.threads,
                                 .widen_quantum = !arguments.vertical_step_m,
                                 .objects = std::move(*objects)};
-  auto epochs = openEpochs(arguments, verticalOfScene(arguments, (*source)->info()));
+  auto epochs = openEpochs(arguments, verticalOfScene(arguments, (*source)->info()), (*source)->info());
   if (!epochs.ok()) return fail(epochs.error());
   options.epochs = epochs->requests.empty() ? std::move(*of_poses) : epochs->requests;
   options.epoch_blend = arguments.epoch_blend;

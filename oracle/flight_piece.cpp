@@ -20,7 +20,7 @@ void FlightJudge::judgeKeyframe(const FlightPiece& piece, FlightJudgement& found
   found.is_keyframe_over_tolerance = found.keyframe->max_px > mesh.to.frameTolerance() + kSlack_px;
   if (!piece.keyframe->exact) return;
   const DrawnShare newest{.mesh = &mesh, .weight = 1}, exact{.mesh = piece.keyframe->exact->mesh(section_at_).get()};
-  found.extrapolation = oracle_.terrain().difference({&newest, 1}, {&exact, 1}, piece.keyframe->true_pose, piece.lens);
+  found.extrapolation = oracle_.difference({&newest, 1}, {&exact, 1}, piece.keyframe->true_pose, piece.lens);
 }
 
 void FlightJudge::judgeFrame(const FlightPiece& piece, FlightJudgement& found) {
@@ -36,7 +36,7 @@ void FlightJudge::measureTerms(const FlightPiece& piece, const FlightPiece::Term
   const FlightPiece::Frame& frame = *piece.shown;
   const auto difference = [&](Surface a, const client::KeyframeMesh& b) {
     const DrawnShare whole{.mesh = &b};
-    return oracle_.terrain().difference(a, {&whole, 1}, frame.pose, piece.lens);
+    return oracle_.difference(a, {&whole, 1}, frame.pose, piece.lens);
   };
   const FlightPiece::Mesh shown = section_at_(terms.shown);
   if (terms.from) {

@@ -147,8 +147,11 @@ struct Oracle::Ground {
 
   void readAll() {
     still.resize(blockCount());
-    for (size_t i = 0; i < still.size(); ++i)
-      if (!mayMove(i)) still[i] = read(i, {});
+    for (size_t i = 0; i < still.size(); ++i) {
+      if (mayMove(i)) continue;
+      still[i] = read(i, {});
+      if (truth.is_read_on_demand) still[i] = {.heights = {}, .positions = {}, .bound = still[i].bound};
+    }
   }
 
   void readRow(glm::uvec2 first, std::span<const double> epoch_shares, std::span<double> out) const {
@@ -169,7 +172,8 @@ struct Oracle::Ground {
 struct Oracle::Impl {
   std::shared_ptr<Ground> ground;
   double near_m;
-  std::vector<HeightBlock> moving;  // by block, at `time`; empty where the ground is still, and until first needed
+  std::vector<HeightBlock> own;  // by block, at `time`; empty where all share it, and until first needed
+  size_t held = 0;               // of these, not empty
   std::vector<int32_t> rank;
   std::vector<uint32_t> seen;
   std::vector<std::vector<BlockRaster>> rasters;  // of each surface, of each of its shares
@@ -204,21 +208,31 @@ struct Oracle::Impl {
       addEpochs(wanted.from, 1 - wanted.weight);
       addEpochs(wanted.to, wanted.weight);
     }
-    for (HeightBlock& block : moving) block = {};
+    forget();
+  }
+
+  void forget() {
+    for (HeightBlock& block : own) block = {};
+    held = 0;
   }
 
   const HeightBlock& block(size_t index) {
-    if (!ground->mayMove(index)) return ground->still[index];
-    moving.resize(ground->blockCount());
-    if (moving[index].heights.empty()) moving[index] = ground->read(index, epoch_shares);
-    return moving[index];
+    const bool may_move = ground->mayMove(index);
+    if (!may_move && !ground->truth.is_read_on_demand) return ground->still[index];
+    own.resize(ground->blockCount());
+    if (own[index].heights.empty() && own[index].bound.radius >= 0) {
+      own[index] = ground->read(index, may_move ? std::span<const double>(epoch_shares) : std::span<const double>());
+      ++held;
+    }
+    return own[index];
   }
+  const Sphere& bound(size_t index) { return ground->mayMove(index) ? block(index).bound : ground->still[index].bound; }
 
   void chooseBlocks(const Camera& camera) {
     ground->load();
     seen.clear();
     for (uint32_t index = 0; index < rank.size(); ++index) {
-      const bool may_see = camera.maySee(block(index).bound);
+      const bool may_see = camera.maySee(bound(index));
       rank[index] = may_see ? static_cast<int32_t>(seen.size()) : -1;
       if (may_see) seen.push_back(index);
     }
@@ -394,6 +408,10 @@ Oracle Oracle::twin() {
 void Oracle::setSight(Sight sight) { impl_->sight = std::move(sight); }
 
 void Oracle::showAt(const TruthTime& time) { impl_->showAt(time); }
+
+size_t Oracle::held() const { return impl_->ground->truth.is_read_on_demand ? impl_->held : 0; }
+
+void Oracle::forget() { impl_->forget(); }
 
 std::span<const double> Oracle::sharesShown() const { return impl_->epoch_shares; }
 

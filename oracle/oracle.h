@@ -39,7 +39,7 @@ struct Truth {
   proto::GridShape shape;
   // Writes the heights (quanta) of samples (x .. x + out.size() - 1, y); called only inside the data.
   std::function<void(uint32_t x, uint32_t y, std::span<int32_t> out)> heights;
-  // Where a sample of that height is, if the frame does not say it; then the ground does not move.
+  // Where a sample of that height is, if the frame does not say it.
   std::function<glm::dvec3(uint32_t x, uint32_t y, double height)> position{};
   // Of ground that moves in time: the times at which it is given, ascending, and by how many quanta it lies above
   // `heights` then, and how it moves between them. Outside of `moved` it does not. Otherwise empty.
@@ -47,6 +47,8 @@ struct Truth {
   proto::EpochBlend blend = proto::EpochBlend::kLinear;
   proto::LatticeWindow moved{};
   std::function<void(size_t epoch, uint32_t x, uint32_t y, std::span<double> out)> offsets{};
+  // Whether heights are read again where a frame needs them, and only where the ground may be seen from is kept of all.
+  bool is_read_on_demand = false;
 };
 
 // The time of a truth, for frames of a mesh that leads from one time to another: the mixed time after a step, else a
@@ -119,6 +121,10 @@ class Oracle {
   // At the time shown, of a truth that has epochs: how much each contributes; and their dates.
   std::span<const double> sharesShown() const;
   std::span<const Time> epochs() const;
+
+  // Of a truth that is read on demand: how many blocks' samples are held, 32 KB each, until they are forgotten.
+  size_t held() const;
+  void forget();
 
   // The drawn surface against the truth.
   Deviation error(Surface drawn, const proto::Pose& pose, const proto::Lens& lens);

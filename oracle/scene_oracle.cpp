@@ -43,9 +43,10 @@ SceneDeviation SceneOracle::error(const client::KeyframeMesh& mesh, double weigh
   const DrawnShare drawn{.mesh = &mesh, .weight = weight};
   terrain_.showAt({mesh.from.scene_time, mesh.to.scene_time, weight, mesh.to.is_scene_step});
   const Sight sight{is_seen_, mesh.to.frameTolerance()};
-  if (globe_) globe_->setSight(sight);
+  if (patchwork_) patchwork_->setSight(sight);
   terrain_.setSight(sight);
-  SceneDeviation all{globe_ ? globe_->error(mesh, weight, pose, lens) : terrain_.error({&drawn, 1}, pose, lens)};
+  SceneDeviation all{patchwork_ ? patchwork_->error(mesh, weight, pose, lens)
+                                : terrain_.error({&drawn, 1}, pose, lens)};
   const SurfaceJudgement objects = objects_->judge(mesh, weight, pose, lens, carried(), poseShares(), sight);
   all.silhouette_px = objects.silhouette.max_px;
   all.interior_px = objects.interior.max_px;

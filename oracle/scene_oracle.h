@@ -15,8 +15,8 @@
 #include <vector>
 
 #include "oracle/crack_checker.h"
-#include "oracle/globe/globe_oracle.h"
 #include "oracle/oracle.h"
+#include "oracle/patchwork.h"
 #include "oracle/surface/objects_oracle.h"
 
 namespace foreland::oracle {
@@ -34,17 +34,17 @@ class SceneOracle {
         terrain_(std::move(terrain)),
         objects_(std::make_shared<const ObjectsOracle>(std::move(objects))) {}
 
-  // Of a globe.
-  SceneOracle(GlobeOracle globe, const proto::Frame& frame, ObjectsTruth objects)
+  // Of a globe, and of ground that is fine in places only.
+  SceneOracle(Patchwork terrain, const proto::Frame& frame, ObjectsTruth objects)
       : frame_(frame),
         terrain_(nothing()),
-        globe_(std::move(globe)),
+        patchwork_(std::move(terrain)),
         objects_(std::make_shared<const ObjectsOracle>(std::move(objects))) {}
 
   // Another judge of the same scene, for another thread, which may work at the same time (Oracle::twin).
   SceneOracle twin() {
     SceneOracle other(frame_, terrain_.twin(), objects_);
-    if (globe_) other.globe_.emplace(globe_->twin());
+    if (patchwork_) other.patchwork_.emplace(patchwork_->twin());
     other.is_seen_ = is_seen_;
     return other;
   }
@@ -59,8 +59,10 @@ class SceneOracle {
                        const proto::Lens& lens);
   CrackReport findCracks(const client::KeyframeMesh& mesh, const proto::GridShape& shape) const;
 
-  // Not of a globe.
-  Oracle& terrain() { return terrain_; }
+  // Of two drawn surfaces of the terrain.
+  Deviation difference(Surface a, Surface b, const proto::Pose& pose, const proto::Lens& lens) {
+    return patchwork_ ? patchwork_->difference(a, b, pose, lens) : terrain_.difference(a, b, pose, lens);
+  }
   const ObjectsOracle& objects() const { return *objects_; }
 
  private:
@@ -82,7 +84,7 @@ class SceneOracle {
 
   proto::FrameTransform frame_;
   Oracle terrain_;
-  std::optional<GlobeOracle> globe_;  // judges the terrain instead
+  std::optional<Patchwork> patchwork_;  // judges the terrain instead
   std::shared_ptr<const ObjectsOracle> objects_;
   std::function<bool(const glm::dvec3& point, const glm::dvec3& eye)> is_seen_;
 };

@@ -3,7 +3,9 @@
 
 #include <memory>
 
+#include "oracle/globe/globe_oracle.h"
 #include "oracle/scene_oracle.h"
+#include "oracle/sparse_oracle.h"
 #include "terrain/objects/placed_objects.h"
 #include "terrain/store/scene.h"
 
@@ -39,7 +41,8 @@ inline Result<SceneOracle> sceneOracle(const std::shared_ptr<const terrain::Scen
   for (const auto& model : objects->models) nodes.push_back({model->nodes(), model->nodeMoves(), model->movesEach()});
   ObjectsTruth truth = objectsTruth(objects->set, nodes);
   if (scene->frame().kind == proto::FrameKind::kGlobe)
-    return SceneOracle(GlobeOracle(scene), scene->frame(), std::move(truth));
+    return SceneOracle(globeOracle(scene), scene->frame(), std::move(truth));
+  if (scene->isSparse()) return SceneOracle(sparseOracle(scene), scene->frame(), std::move(truth));
   return SceneOracle(truthOf(scene), std::move(truth));
 }
 

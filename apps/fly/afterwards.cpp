@@ -56,29 +56,12 @@ void addAfterwardsOptions(CLI::App& app, AfterwardsOptions& o) {
       ->capture_default_str();
 }
 
-namespace {
-
-// The oracle reads the ground at every position of the lattice.
-Status checkSize(const terrain::Scene& scene, const std::filesystem::path& file) {
-  constexpr uint64_t kMostPositions = uint64_t{1} << 32;
-  const proto::GridShape& shape = scene.grid().shape();
-  const uint64_t positions = uint64_t{shape.samples_x} * shape.samples_y;
-  if (shape.is_cube || positions <= kMostPositions) return {};
-  return Error{ErrorCode::kLimit,
-               "--truth " + file.string() + ": a lattice of " + std::to_string(shape.samples_x) + " x " +
-                   std::to_string(shape.samples_y) +
-                   " positions is more than can be judged one by one (2^32); build a scene of a part of it"};
-}
-
-}  // namespace
-
 Result<Afterwards> Afterwards::prepare(const AfterwardsOptions& options) {
   Afterwards afterwards;
   afterwards.options_ = options;
   if (!options.truth.empty()) {
     auto scene = terrain::Scene::open(options.truth);
     if (!scene.ok()) return scene.error();
-    if (Status s = checkSize(**scene, options.truth); !s.ok()) return s.error();
     afterwards.truth_ = *scene;
     auto oracle = oracle::sceneOracle(*scene);
     if (!oracle.ok()) return oracle.error();

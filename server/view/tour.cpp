@@ -4,11 +4,15 @@
 #include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <limits>
 #include <numbers>
+#include <optional>
 
 #include "base/printable.h"
 #include "server/view/globe_tour.h"
 #include "server/view/ground.h"
+#include "server/view/pace.h"
+#include "terrain/store/flat_squares.h"
 
 namespace foreland::server {
 
@@ -18,6 +22,7 @@ constexpr double kPi = std::numbers::pi;
 constexpr Duration kStep = Duration::milliseconds(100);
 constexpr double kFarthest_rad = 0.5;     // from the middle of a geographic scene: beyond, its plane is no map of it
 constexpr double kWidestSpacing_m = 100;  // of samples that tours are meant for
+constexpr double kFall_m = 3000;          // within which a tour slows down for fine ground
 
 double radians(double degrees) { return degrees * kPi / 180; }
 
@@ -40,10 +45,11 @@ class Ground {
     middle_ = middle;
     axis_x_ = glm::dvec2(at(last_x_ / 2 + reach_x, last_y_ / 2) - middle);
     axis_y_ = glm::dvec2(at(last_x_ / 2, last_y_ / 2 + reach_y) - middle);
-    // Of samples that are there everywhere: tours pass places where there are finer ones as fast as the rest.
-    const double spacing_m =
-        std::ldexp(std::max(halfWidth() / reach_x, halfDepth() / reach_y), static_cast<int>(shape.sparse_levels / 2));
+    const glm::dvec2 step_m(halfWidth() / reach_x, halfDepth() / reach_y);
+    // Of samples that are there everywhere.
+    const double spacing_m = std::ldexp(std::max(step_m.x, step_m.y), static_cast<int>(shape.sparse_levels / 2));
     scale_ = std::min(std::max(1.0, spacing_m / kWidestSpacing_m), 2 * std::min(halfWidth(), halfDepth()) / 6000);
+    if (scene.isSparse()) pace_.emplace(scene, step_m, kFall_m * scale_);
   }
 
   glm::dvec2 middle() const { return middle_; }
@@ -54,6 +60,12 @@ class Ground {
   glm::dvec2 alongY() const { return glm::normalize(axis_y_); }
   // The factor by which a tour's distances shrink on small scenes, and grow on coarse ones.
   double scale() const { return scale_; }
+  // The share of a tour's speed and height that it has above a point of the tangent plane.
+  double pace(glm::dvec2 p) const {
+    if (!pace_) return 1;
+    const proto::LatticePosition at = below(p);
+    return pace_->at({at.x, at.y});
+  }
 
   // The lattice position, with the ground's height, below a point of the tangent plane; clamped to the data.
   proto::LatticePosition below(glm::dvec2 p) const {
@@ -75,6 +87,7 @@ class Ground {
     const auto [west, east] = std::minmax(a.x, b.x);
     const auto [south, north] = std::minmax(a.y, b.y);
     double highest = std::max(a.height_m, b.height_m);
+    if (scene_.isSparse()) return std::max(highest, highestCorner({west, south}, {east, north}));
     for (auto y = std::floor(south); y <= std::min(std::ceil(north), last_y_); ++y)
       for (auto x = std::floor(west); x <= std::min(std::ceil(east), last_x_); ++x)
         highest = std::max(highest, groundHeight(scene_, x, y).value_or(0));
@@ -93,11 +106,26 @@ class Ground {
   glm::dvec3 upAt(const glm::dvec3& p) const { return transform_.upAt(p); }
 
  private:
+  // Of the squares around a window of the lattice, in which ground that is fine in places is even.
+  double highestCorner(glm::dvec2 low, glm::dvec2 high) const {
+    const auto at = [](double v) { return static_cast<uint32_t>(v); };
+    double highest = std::numeric_limits<double>::lowest();
+    terrain::FlatSquares(scene_.grid(), scene_.pages())
+        .forEachIn(at(std::floor(low.x)), at(std::floor(low.y)), at(std::ceil(high.x)), at(std::ceil(high.y)),
+                   [&](uint32_t x, uint32_t y, uint32_t side) {
+                     for (const glm::dvec2 corner : {glm::dvec2(x, y), glm::dvec2(x + side, y), glm::dvec2(x, y + side),
+                                                     glm::dvec2(x + side, y + side)})
+                       highest = std::max(highest, groundHeight(scene_, corner.x, corner.y).value_or(0));
+                   });
+    return highest;
+  }
+
   const terrain::Scene& scene_;
   proto::FrameTransform transform_;
   double last_x_, last_y_;
   glm::dvec2 middle_, axis_x_, axis_y_;
   double scale_ = 1;
+  std::optional<Pace> pace_;  // of ground that is fine in places
 };
 
 // Along the ground below the eye, but for the pitch.
@@ -117,7 +145,8 @@ std::vector<double> highestNear(const Ground& ground, const std::vector<glm::dve
 }
 
 // The heights at which to fly along a track: the highest ground within `reach` samples, smoothed twice by a mean over
-// as many, never below the ground itself, plus the clearance; and a quarter of it above all that is near.
+// as many, never below the ground itself, plus the clearance; and a quarter of it above all that is near. The clearance
+// is that of places where the pace is 1.
 std::vector<double> flightLevels(const Ground& ground, const std::vector<glm::dvec2>& track, size_t reach,
                                  double clearance_m) {
   const size_t n = track.size();
@@ -136,9 +165,11 @@ std::vector<double> flightLevels(const Ground& ground, const std::vector<glm::dv
   };
   windowed(mean);
   windowed(mean);
-  for (size_t i = 0; i < n; ++i) level[i] = std::max(level[i], lowest_allowed[i]) + clearance_m;
   const std::vector<double> near = highestNear(ground, track);
-  for (size_t i = 0; i < n; ++i) level[i] = std::max(level[i], near[i] + clearance_m / 4);
+  for (size_t i = 0; i < n; ++i) {
+    const double above_m = clearance_m * ground.pace(track[i]);
+    level[i] = std::max(std::max(level[i], lowest_allowed[i]) + above_m, near[i] + above_m / 4);
+  }
   return level;
 }
 
@@ -162,14 +193,16 @@ proto::Path survey(const Ground& ground, size_t steps) {
   const double radius = std::min(1200 * ground.scale(), 0.4 * std::min(ground.halfWidth(), ground.halfDepth()));
   const double leg = 2 * (half - radius), bend = kPi * radius;
   std::vector<glm::dvec2> track;
+  double gone = 0;  // steps
   for (size_t i = 0; i < steps; ++i) {
-    const double s = std::fmod(static_cast<double>(i) * step_m, 2 * (leg + bend));
+    const double s = std::fmod(gone * step_m, 2 * (leg + bend));
     const bool back = s >= leg + bend;
     const double t = back ? s - leg - bend : s, turn = std::max(0.0, t - leg) / radius;
     glm::dvec2 q(std::min(t, leg) - leg / 2 + radius * std::sin(turn),
                  -radius * std::cos(turn));  // right half of the racetrack
     if (back) q = -q;
     track.push_back(ground.middle() + along * q.x + across * q.y);
+    gone += ground.pace(track.back());
   }
   return alongTrack(ground, track, flightLevels(ground, track, 15, 300 * ground.scale()), radians(-12));
 }
@@ -179,8 +212,9 @@ proto::Path canyon(const Ground& ground, size_t steps) {
   const double scale = ground.scale(), step_m = 80 * scale * kStep.toSeconds(), rate = radians(12) * kStep.toSeconds();
   const auto cost = [&](glm::dvec2 from, double heading) {
     double sum = 0;
+    const double pace = ground.pace(from);
     for (double reach : {200.0, 400.0, 700.0, 1100.0, 1600.0}) {
-      const glm::dvec2 p = from + reach * scale * glm::dvec2(std::cos(heading), std::sin(heading));
+      const glm::dvec2 p = from + reach * scale * pace * glm::dvec2(std::cos(heading), std::sin(heading));
       sum += ground.height(p) + (ground.contains(p, 300 * scale) ? 0 : 3000 * scale);
     }
     return sum;
@@ -200,7 +234,7 @@ proto::Path canyon(const Ground& ground, size_t steps) {
       }
     }
     heading += std::clamp(wanted - heading, -rate, rate);
-    at += step_m * glm::dvec2(std::cos(heading), std::sin(heading));
+    at += step_m * ground.pace(at) * glm::dvec2(std::cos(heading), std::sin(heading));
     track.push_back(at);
   }
   return alongTrack(ground, track, flightLevels(ground, track, 6, 60 * scale), radians(-4));
@@ -208,7 +242,8 @@ proto::Path canyon(const Ground& ground, size_t steps) {
 
 proto::Path spin(const Ground& ground, size_t steps) {
   proto::Path path{Time{}, kStep, {}};
-  const glm::dvec3 eye = ground.above(ground.middle(), ground.height(ground.middle()) + 150 * ground.scale());
+  const glm::dvec3 eye = ground.above(
+      ground.middle(), ground.height(ground.middle()) + 150 * ground.scale() * ground.pace(ground.middle()));
   for (size_t i = 0; i < steps; ++i) {
     const double heading = radians(90) * static_cast<double>(i) * kStep.toSeconds();
     path.poses.push_back(look(ground, eye, {std::cos(heading), std::sin(heading)}, radians(-5)));
@@ -225,7 +260,7 @@ proto::Path orbit(const Ground& ground, size_t steps) {
                            ground.alongY() * (ground.halfDepth() * j / 40.0);
       if (const double h = ground.height(p); h > top) top = h, summit = p;
     }
-  const double radius = 2500 * ground.scale();
+  const double scale = ground.scale() * ground.pace(summit), radius = 2500 * scale;
   double highest = top;
   const auto onCircle = [&](double angle) { return summit + radius * glm::dvec2(std::cos(angle), std::sin(angle)); };
   for (int i = 0; i < 72; ++i) highest = std::max(highest, ground.height(onCircle(radians(5 * i))));
@@ -233,8 +268,7 @@ proto::Path orbit(const Ground& ground, size_t steps) {
   for (size_t i = 0; i < steps; ++i)
     track.push_back(onCircle(radians(6) * static_cast<double>(i) * kStep.toSeconds()));  // once a minute
   const std::vector<double> near = highestNear(ground, track);
-  const double level =
-      std::max(highest + 500 * ground.scale(), *std::max_element(near.begin(), near.end()) + 125 * ground.scale());
+  const double level = std::max(highest + 500 * scale, *std::max_element(near.begin(), near.end()) + 125 * scale);
   const glm::dvec3 target = ground.above(summit, top);
   proto::Path path{Time{}, kStep, {}};
   for (const glm::dvec2& p : track) {

@@ -5,7 +5,8 @@
 //   spin    in place, 90 degrees a second
 //   orbit   around the highest summit near the middle, looking at it
 // On scenes that are too small for these distances, all of them shrink alike; where samples are more than 100 m apart
-// they grow alike. The eye stays above the ground. Pure functions; any thread. Cost: milliseconds.
+// they grow alike. Over scenes that are fine in places speed and height are those of their coarse ground, and shrink
+// where it is finer (pace.h). The eye stays above the ground. Pure functions; any thread. Cost: milliseconds.
 #pragma once
 
 #include <string>

@@ -68,6 +68,12 @@ Status checkDates(const std::vector<EpochRequest>& epochs) {
   return {};
 }
 
+bool isOnLatticeOf(const ElevationInfo& epoch, const ElevationInfo& base) {
+  if (!epoch.crs_wkt.empty() && !base.crs_wkt.empty() && epoch.crs_wkt != base.crs_wkt) return false;
+  const auto origin = originOn(base.frame, epoch.frame);
+  return origin && glm::distance(glm::dvec2(std::round(origin->x), std::round(origin->y)), *origin) <= kMaxOff;
+}
+
 Result<EpochSamples> readEpoch(const EpochRequest& epoch, const ElevationInfo& base) {
   const ElevationInfo& info = epoch.source->info();
   const auto window = windowOf(info, base);

@@ -38,6 +38,9 @@ struct EpochSamples {
 // An Error if dates are out of order or twice, and names the first such date.
 Status checkDates(const std::vector<EpochRequest>& epochs);
 
+// Whether samples lie on the lattice of `base`, in its reference system, be it within its data or not.
+bool isOnLatticeOf(const ElevationInfo& epoch, const ElevationInfo& base);
+
 // An Error that names the epoch's file if it is on another lattice or in another reference system than `base`, or
 // reaches beyond it (P, definition 2: key geometries refine the same base complex).
 Result<EpochSamples> readEpoch(const EpochRequest& epoch, const ElevationInfo& base);

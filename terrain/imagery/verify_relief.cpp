@@ -103,6 +103,14 @@ class ReliefCheck {
   }
   // Of a half-size image.
   static bool isPayload(uint32_t i) { return i >= kTileGutter / 2 && i < (kTileSide - kTileGutter) / 2; }
+  // Whether the texel (x, y) of the level above a tile's is in a tile that is there. Sparse scenes lack some, and then
+  // its neighbours' gutters hold the ground at the texel's middle, which is not the mean of what the finer level has.
+  // Where the finer tile alone lacks its neighbour, its gutter and the parent's own texel are of the same ground.
+  bool isStored(const TileId& tile, int64_t x, int64_t y) const {
+    return !scene_.isSparse() || tiles_.bounds({tile.layer, static_cast<uint8_t>(tile.level + 1),
+                                                static_cast<uint32_t>(x) / proto::kTilePayload,
+                                                static_cast<uint32_t>(y) / proto::kTilePayload});
+  }
   // Compares the half-size image of a tile with the quadrant of its parent. Beyond the raster both repeat its border,
   // so they need not agree.
   bool isMeanOf(const TileId& child, const Scratch& scratch) const {
@@ -114,8 +122,7 @@ class ReliefCheck {
       for (uint32_t x = 0; x < kTileSide / 2; ++x) {
         const int64_t east = unclamped(child.x, 2 * x + 1), north = unclamped(child.y, 2 * y + 1);
         if (east < 1 || north < 1 || east >= width || north >= height) continue;
-        // Where a tile's neighbour is not stored, its gutter has the ground at the middles of texels.
-        if (scene_.isSparse() && !(isPayload(x) && isPayload(y))) continue;
+        if (!(isPayload(x) && isPayload(y)) && !isStored(child, (east - 1) / 2, (north - 1) / 2)) continue;
         const int32_t* fine = &scratch.finer[size_t{2 * y} * kTileSide + 2 * x];
         const double mean = 0.25 * (int64_t{fine[0]} + fine[1] + fine[kTileSide] + fine[kTileSide + 1]);
         const double own = scratch.steps[size_t{below + y} * kTileSide + left + x];

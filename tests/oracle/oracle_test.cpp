@@ -69,6 +69,28 @@ TEST(Oracle, MeasuresASpikeThatIsNotDrawn) {
   EXPECT_NEAR(d.rms_m, 5 / std::sqrt(static_cast<double>(d.samples)), 1e-12);
 }
 
+TEST(Oracle, FindsTheSameInHeightsThatAreReadAgain) {
+  Truth truth = flatTruth();
+  truth.heights = [](uint32_t x, uint32_t y, std::span<int32_t> out) {
+    for (uint32_t i = 0; i < out.size(); ++i) out[i] = static_cast<int32_t>((x + i) * 7 % 13 + y * 5 % 11);
+  };
+  truth.position = [](uint32_t x, uint32_t y, double height) { return glm::dvec3(x, y, height); };
+  Oracle kept(truth);
+  truth.is_read_on_demand = true;
+  Oracle read(truth);
+  for (const double height_m : {200.0, 15.0, 200.0}) {
+    const client::KeyframeMesh mesh = test::flatMesh(2, kSize / 2);
+    const Deviation a = errorOf(kept, mesh, 0, fromAbove(height_m)), b = errorOf(read, mesh, 0, fromAbove(height_m));
+    EXPECT_EQ(a.max_px, b.max_px);
+    EXPECT_EQ(a.rms_m, b.rms_m);
+    EXPECT_EQ(a.samples, b.samples);
+    EXPECT_EQ(kept.held(), 0u);
+    EXPECT_EQ(read.held(), height_m == 200 ? 9u : 4u);
+    read.forget();
+    EXPECT_EQ(read.held(), 0u);
+  }
+}
+
 TEST(Oracle, IgnoresWhatTheCameraDoesNotSee) {
   Oracle oracle(flatTruth());
   client::KeyframeMesh mesh = test::flatMesh(4, kSize / 4);

@@ -109,7 +109,7 @@ TEST(GlobeOracle, FindsNothingWrongWithAGlobeAtFullResolution) {
   const auto scene = test::makeGlobeScene(kLog2, seed);
   const client::KeyframeMesh mesh = meshOf(*scene);
   EXPECT_EQ(mesh.parameters.size(), 6u * kSide * kSide + 2);
-  GlobeOracle oracle(scene);
+  Patchwork oracle = globeOracle(scene);
   for (const glm::dvec3& d :
        {glm::dvec3(1, 1, 1), glm::dvec3(0, 0, 1), glm::dvec3(-1, 0.01, 0), glm::dvec3(1, -1, 0.2)}) {
     const Deviation found = oracle.error(mesh, 0.5, over(d, rng.uniform(5'000, 60'000)), kLens);
@@ -123,7 +123,7 @@ TEST(GlobeOracle, MeasuresALiftedVertexAndFindsHoles) {
   const uint64_t seed = test::randomSeed();
   const auto scene = test::makeGlobeScene(kLog2, seed);
   client::KeyframeMesh mesh = meshOf(*scene);
-  GlobeOracle oracle(scene);
+  Patchwork oracle = globeOracle(scene);
   oracle.setSight({{}, 1});
   // On an edge of the cube, seen from the side.
   const NodeId on_edge = NodeId::at(kSide, kSide / 2);
@@ -146,7 +146,7 @@ TEST(GlobeOracle, JudgesDeepVerticesWhereTheyAreThere) {
   const uint64_t seed = test::randomSeed();
   const auto scene = test::makeGlobeScene(kLog2 + 2, seed, 4);
   EXPECT_TRUE(scene->isSparse());
-  GlobeOracle oracle(scene);
+  Patchwork oracle = globeOracle(scene);
   // Nothing is drawn: all that is there is uncovered, each vertex once but for those of edges.
   uint64_t uncovered = 0;
   for (const glm::dvec3& d : {glm::dvec3(1, 0, 0), glm::dvec3(-1, 0, 0)})

@@ -9,6 +9,7 @@
 #include "server/view/ground.h"
 #include "tests/support/scene.h"
 #include "tests/support/seed.h"
+#include "tests/support/sparse_scene.h"
 
 namespace foreland::server {
 namespace {
@@ -93,6 +94,75 @@ TEST(Tour, FliesAlongTheGroundOfTheWholeEarth) {
     const proto::Pose& pose = path.poses[i];
     EXPECT_NEAR(glm::distance(footOf(path.poses[i + 1]), footOf(pose)) / first_m, 1, 0.25) << i;
     EXPECT_NEAR(glm::dot(pose.forward(), frame.upAt(pose.eye)), std::sin(-12 * kDegree), 1e-6) << i;
+  }
+}
+
+// Samples 160 m apart, but for a disc on the survey's first leg, where they lie 10 m apart: a quarter of the pace.
+constexpr test::Disc kFine{1024, 310, 60};
+
+std::shared_ptr<const terrain::Scene> fineInPlaces(proto::FrameKind kind) {
+  const auto level = [](uint32_t x, uint32_t y) { return 300 + 50 * std::sin(x / 300.0) * std::cos(y / 200.0); };
+  return test::makeSparseScene(2049, 1025, level, kind, 4, {kFine});
+}
+
+struct Leg {
+  double from_fine, speed, above;  // samples, m/s, m
+};
+
+std::vector<Leg> legsOf(const terrain::Scene& scene, const proto::Path& path) {
+  const proto::FrameTransform frame(scene.frame());
+  std::vector<Leg> legs;
+  for (size_t i = 0; i + 1 < path.poses.size(); ++i) {
+    const glm::dvec3 eye = path.poses[i].eye, next = path.poses[i + 1].eye;
+    const proto::LatticePosition at = frame.toLattice(eye);
+    legs.push_back({std::hypot(at.x - kFine.x, at.y - kFine.y), 10 * glm::length(glm::dvec2(next - eye)),
+                    heightAboveGround(scene, eye)});
+  }
+  return legs;
+}
+
+TEST(Tour, IsSlowAndLowOverFineGroundAndFastOverCoarse) {
+  for (const auto kind : {proto::FrameKind::kPlanar, proto::FrameKind::kGeographic}) {
+    const auto scene = fineInPlaces(kind);
+    double slowest = 1e9, fastest = 0, lowest = 1e9, highest = 0, jump = 0, last = 0;
+    for (const Leg& leg : legsOf(*scene, planTour(*scene, "survey", 300).value())) {
+      slowest = std::min(slowest, leg.speed), fastest = std::max(fastest, leg.speed);
+      if (last > 0) jump = std::max(jump, std::fabs(leg.speed - last));
+      last = leg.speed;
+      if (leg.from_fine < 0.5 * kFine.radius) lowest = std::min(lowest, leg.above);
+      if (leg.from_fine > 700) highest = std::max(highest, leg.above);
+    }
+    EXPECT_LT(lowest, 0.4 * highest);
+    EXPECT_NEAR(slowest / fastest, 0.25, 0.03);
+    EXPECT_LT(jump, 0.05 * fastest) << "no camera brakes within a moment";
+  }
+}
+
+TEST(Tour, StaysAboveGroundThatIsFineInPlaces) {
+  const uint64_t seed = test::randomSeed();
+  for (const auto kind : {proto::FrameKind::kPlanar, proto::FrameKind::kGeographic}) {
+    const auto scene =
+        test::makeSparseScene(801, 401, test::hills(seed % 1000), kind, 3, {{400, 200, 40}, {400, 90, 60}});
+    for (const char* name : kTours) {
+      const auto path = planTour(*scene, name, 90).value();
+      for (Time t; t < path.end(); t = t + Duration::milliseconds(20))
+        ASSERT_GT(heightAboveGround(*scene, path.at(t).eye), 0) << name << " at " << t.toSeconds() << ", seed " << seed;
+    }
+  }
+}
+
+// Where nothing is finer than the rest, tours are those over a scene that has as much everywhere.
+TEST(Tour, IsTheSameOverScenesThatNowhereAreFiner) {
+  const auto formula = [](uint32_t x, uint32_t y) { return 300 + 50 * std::sin(x / 300.0) * std::cos(y / 200.0); };
+  const auto sparse = test::makeSparseScene(2049, 1025, formula, proto::FrameKind::kPlanar, 4, {});
+  test::FormulaSource source(129, 65, [&](uint32_t x, uint32_t y) { return formula(16 * x, 16 * y); });
+  source.info().frame.anchor = {64, 32};
+  source.info().frame.axis_x_m = {160, 0}, source.info().frame.axis_y_m = {0, 160};
+  const auto whole = test::makeScene(source);
+  for (const char* name : {"survey", "canyon"}) {
+    const proto::Path a = planTour(*sparse, name, 60).value(), b = planTour(*whole, name, 60).value();
+    for (size_t i = 0; i < a.poses.size(); i += 10)
+      EXPECT_LT(glm::distance(glm::dvec2(a.poses[i].eye), glm::dvec2(b.poses[i].eye)), 1) << name << ' ' << i;
   }
 }
 
