@@ -18,6 +18,7 @@ constexpr double kMinFacing = 0.05;
 // Slopes over 60 degrees count as such: a texel there is no larger.
 constexpr double kMaxFacing = 2;
 constexpr double kMaxBend = 0.1;
+constexpr double kWithinFace = 1e-6;  // lattice steps
 constexpr double kQuarterTurn = 1.57079632679489662;
 
 class Selection {
@@ -46,6 +47,8 @@ class Selection {
   struct Ground {
     Ground(const Selection& selection, const LatticeBox& lattice_box, double lowest, double highest)
         : box(lattice_box), lowest_m(lowest), highest_m(highest) {
+      // The side of a face is the next face's, which need not lie beside it.
+      if (selection.frame_.frame().kind == FrameKind::kGlobe) box.high.x -= kWithinFace;
       const glm::dvec2 middle = 0.5 * (box.low + box.high);
       const LatticePosition at{middle.x, middle.y, 0.5 * (lowest + highest)};
       const FrameTransform& frame = selection.frame_;

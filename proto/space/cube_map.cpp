@@ -57,7 +57,10 @@ CubePoint cubePoint(const glm::dvec3& v) {
 }
 
 std::optional<CubePoint> cubePointOn(uint32_t face, const glm::dvec3& v) {
-  const double depth = v[kAxes[face].component[2]] * kAxes[face].sign[2];
+  double depth = v[kAxes[face].component[2]] * kAxes[face].sign[2];
+  // Beyond a side straight to its great circle.
+  for (const int axis : {0, 1})
+    if (const double along = std::fabs(v[kAxes[face].component[axis]]); along > depth) depth = 0.5 * (depth + along);
   return depth > 0 ? std::optional(onFace(face, v, depth)) : std::nullopt;
 }
 
