@@ -72,8 +72,9 @@ TEST(GlobeSelection, NoTexelInViewIsLargerThanStated) {
     view.region_radius_m = i % 2 == 0 ? 0 : 20;
     std::vector<SelectedTile> selected;
     constexpr double kTau = 2;
-    selectTiles(layer, 0, frame, view, kTau, 100'000,
-                [&](const TileId& tile) { return std::optional(boundsOf(layer, frame, tile)); }, selected);
+    selectTiles(
+        layer, 0, frame, view, kTau, 100'000,
+        [&](const TileId& tile) { return std::optional(boundsOf(layer, frame, tile)); }, selected);
     std::unordered_set<uint64_t> tiles;
     for (const SelectedTile& s : selected) {
       EXPECT_TRUE(layer.isCoarsest(s.tile) || tiles.contains(s.tile.parent().key()));
@@ -86,7 +87,8 @@ TEST(GlobeSelection, NoTexelInViewIsLargerThanStated) {
       const glm::dvec3 in_view = glm::normalize(glm::dvec3(pixel, -focal_px)), ray = view.pose.orientation * in_view;
       // Where it meets the ellipsoid.
       const glm::dvec3 stretch(1, 1, frame.spheroid().equatorial() / frame.spheroid().polar());
-      const glm::dvec3 o = view.pose.eye * stretch / frame.spheroid().equatorial(), d = ray * stretch / frame.spheroid().equatorial();
+      const glm::dvec3 o = view.pose.eye * stretch / frame.spheroid().equatorial(),
+                       d = ray * stretch / frame.spheroid().equatorial();
       const double a = glm::dot(d, d), b = glm::dot(o, d), c = glm::dot(o, o) - 1, root = b * b - a * c;
       if (root <= 0 || b > 0) continue;
       const double distance = (-b - std::sqrt(root)) / a;
