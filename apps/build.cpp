@@ -25,6 +25,7 @@
 #include "terrain/dem/on_lattice.h"
 #include "terrain/dem/open.h"
 #include "terrain/dem/open_globe.h"
+#include "terrain/dem/pictures/globe_pictures.h"
 #include "terrain/dem/pictures/open_pictures.h"
 #include "terrain/dem/vertical/height_reference.h"
 #include "terrain/geo/geodesy.h"
@@ -378,9 +379,7 @@ Status checkGlobe(const Arguments& arguments) {
   const auto refused = [](const char* what) {
     return Error{ErrorCode::kUnsupported, std::string("--globe takes no ") + what + " yet; leave it out"};
   };
-  if (!arguments.objects.empty()) return refused("--object");
   if (!arguments.epochs.empty()) return refused("--epoch");
-  if (!arguments.imagery.empty()) return refused("--imagery");
   if (arguments.open.residual_m) return refused("--residual");
   if (arguments.open.scene_vertical && *arguments.open.scene_vertical != terrain::kEllipsoidName)
     return Error{ErrorCode::kInvalidArgument, "--scene-vertical " + *arguments.open.scene_vertical +
@@ -419,11 +418,23 @@ int buildGlobe(const Arguments& arguments) {
   const auto depth = terrain::depthOf((*source)->info());
   if (!depth.ok()) return fail(depth.error());
   describeGlobe((*source)->info(), *depth);
+  const auto objects = parseObjects(arguments.objects);
+  if (!objects.ok()) return fail(objects.error());
+  std::unique_ptr<terrain::GlobePicture> picture;
+  if (!arguments.imagery.empty()) {
+    auto opened = terrain::openGlobePictures(arguments.imagery, arguments.foreign.allowed, arguments.imagery_alpha);
+    if (!opened.ok()) return fail(opened.error());
+    picture = std::move(opened).value();
+  }
   return runBuild(arguments, begun, [&](const terrain::Progress& progress) {
     return terrain::buildGlobe(**source,
                                {.output = arguments.output,
                                 .height_quantum_m = arguments.vertical_step_m.value_or(0.1),
-                                .threads = arguments.threads},
+                                .threads = arguments.threads,
+                                .objects = *objects,
+                                .picture = picture.get(),
+                                .imagery_quality = arguments.imagery_quality,
+                                .attribution = arguments.attribution},
                                progress);
   });
 }

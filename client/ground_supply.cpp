@@ -49,6 +49,7 @@ std::vector<proto::TileId> reliefAbout(const TileStore& tiles, glm::dvec2 at, do
   const auto index = tiles.layerOf(proto::TileContent::kRelief);
   if (!index) return {};
   const proto::TileLayer& layer = tiles.layers()[*index];
+  if (layer.isGlobe()) return {};  // its texels are no samples, and so bound no ground
   uint32_t level = 0;
   while (level + 1 < layer.levels() && 2 * reach > proto::kTilePayload * layer.texelAt(level)) ++level;
   const double side = proto::kTilePayload * layer.texelAt(level);

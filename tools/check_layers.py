@@ -43,7 +43,7 @@ SEES |= {
     "terrain/compare": [*PROTO, "terrain"],  # judges the remesher and shares no code with it
     "terrain/surface_store": [*PROTO, "terrain", *STORE, "terrain/surface"],
     "terrain/objects": [*PROTO, "terrain", *STORE, "terrain/surface", "terrain/surface_store"],
-    "terrain/render": [*PROTO, "terrain", *STORE, "terrain/surface", "terrain/surface_store", "terrain/objects",
+    "terrain/render": [*PROTO, "terrain", *STORE, "terrain/imagery", "terrain/surface", "terrain/surface_store", "terrain/objects",
                        "terrain/model"],  # reference pictures; shares no code with server/occlusion
 }
 SEES["terrain/geoid"] = ["base"]  # how far geoids lie above the ellipsoid, and where maps are on it

@@ -75,7 +75,7 @@ std::optional<GroundCell> GroundHeights::reliefCell(glm::dvec2 at) const {
     const auto x = static_cast<size_t>(column - int64_t{tile.x} * kTilePayload + kTileGutter);
     const auto y = static_cast<size_t>(row - int64_t{tile.y} * kTilePayload + kTileGutter);
     if (x + 1 >= kTileSide || y + 1 >= kTileSide) continue;
-    const double step_m = layer.step_m * static_cast<double>(uint64_t{1} << level);
+    const double step_m = layer.stepAt(level);
     const int32_t* h = &found->second[y * kTileSide + x];
     return GroundCell{.low = layer.origin + (glm::dvec2(column, row) + 0.5) * texel,
                       .side = texel,

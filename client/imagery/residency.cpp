@@ -50,8 +50,15 @@ bool Residency::canCome(const proto::TileId& tile) {
   return parent != nullptr && parent->went == 0 && parent->came < mesh_;
 }
 
+// On a globe pages of faces that meet lie side by side, and those of opposite ones, where they are few.
 size_t Residency::pageOf(const proto::TileId& tile) const {
-  return (size_t{tile.level} * kPageSide + tile.y % kPageSide) * kPageSide + tile.x % kPageSide;
+  uint32_t x = tile.x, y = tile.y;
+  if (layer_.isGlobe()) {
+    const uint32_t face = layer_.faceOf(tile), bits = layer_.faceBits(tile.level), half = kPageSide / 2;
+    x = layer_.columnOf(tile) + (face % 3 == 1 ? half : 0) + (bits < 4 ? face / 3 << bits : 0);
+    y += face % 3 == 2 ? half : 0;
+  }
+  return (size_t{tile.level} * kPageSide + y % kPageSide) * kPageSide + x % kPageSide;
 }
 
 void Residency::advance(const proto::FrameTransform& frame, const proto::View& to, const proto::View& expected,
@@ -98,15 +105,15 @@ void Residency::select(const proto::FrameTransform& frame, const proto::View& to
 // Of what is selected the tiles that are largest on the screen, with every tile its parent, and no two of the same
 // page.
 void Residency::keepLargest(size_t most) {
-  if (selected_.empty()) return;
-  foreland::sort(selected_.begin() + 1, selected_.end(),
-                 [](const proto::SelectedTile& a, const proto::SelectedTile& b) {
-                   return a.texel_px != b.texel_px ? a.texel_px > b.texel_px : a.tile.key() > b.tile.key();
-                 });
+  foreland::sort(selected_.begin(), selected_.end(), [&](const proto::SelectedTile& a, const proto::SelectedTile& b) {
+    const bool is_coarsest = layer_.isCoarsest(a.tile);
+    if (is_coarsest != layer_.isCoarsest(b.tile)) return is_coarsest;
+    return a.texel_px != b.texel_px ? a.texel_px > b.texel_px : a.tile.key() > b.tile.key();
+  });
   std::unordered_set<uint64_t> kept;
   std::unordered_set<size_t> pages;
   std::erase_if(selected_, [&](const proto::SelectedTile& s) {
-    if (kept.size() == most || (!kept.empty() && !kept.contains(s.tile.parent().key()))) return true;
+    if (kept.size() == most || (!layer_.isCoarsest(s.tile) && !kept.contains(s.tile.parent().key()))) return true;
     if (!pages.insert(pageOf(s.tile)).second) return true;
     kept.insert(s.tile.key());
     return false;

@@ -22,7 +22,9 @@ namespace foreland::client {
 
 class Residency {
  public:
-  // The page table has so many pages along each side of each level; page (x, y) is at (x, y) modulo this.
+  // The page table has so many pages along each side of each level; page (x, y) is at (x, y) modulo this. On a globe
+  // pages of face f count from the face's first one, and lie half a side further east if f modulo 3 is 1, and north if
+  // it is 2; where a face has at most eight pages a side, those of faces 3 to 5 as much further east.
   static constexpr uint32_t kPageSide = 32;
   static constexpr uint32_t kMaxArrivals = 16;  // tiles that come with one mesh
 

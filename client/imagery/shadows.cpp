@@ -50,8 +50,14 @@ SunThere sunAt(const proto::FrameTransform& frame, glm::dvec2 at, const glm::dve
 
 Light lightOver(const proto::TileLayer& layer, const proto::TileId& tile, const proto::FrameTransform& frame,
                 const HeightCode& code, const glm::dvec3& sun) {
-  const double texel = layer.texelAt(tile.level), half = 0.5 * proto::kTilePayload * texel;
-  const glm::dvec2 middle = layer.cornerOf(tile) + half;
+  const double texel = layer.texelAt(tile.level);
+  double half = 0.5 * proto::kTilePayload * texel;
+  glm::dvec2 middle = layer.cornerOf(tile) + half;
+  if (layer.isGlobe()) {  // within its face
+    const proto::LatticeBox box = layer.boxOf(tile);
+    middle = 0.5 * (box.low + box.high);
+    half = 0.49 * std::min(box.high.x - box.low.x, box.high.y - box.low.y);
+  }
   const SunThere there = sunAt(frame, middle, sun);
   const glm::dvec2 t = there.towards / texel;  // texels a metre
   Light light;
@@ -191,7 +197,7 @@ class Pass {
 
 HeightCode HeightCode::of(const proto::TileLayer& layer, double lowest_m, double highest_m) {
   // Coarser levels are rounded to larger steps.
-  const double rounding_m = 0.5 * layer.step_m * static_cast<double>(uint64_t{1} << (layer.levels() - 1));
+  const double rounding_m = 0.5 * layer.stepAt(layer.levels() - 1);
   return {lowest_m - rounding_m, (highest_m - lowest_m + 2 * rounding_m) / kMaxCode + 1e-9};
 }
 
@@ -199,7 +205,7 @@ void groundOf(const proto::TileLayer& layer, const proto::TileId& tile, const He
               std::span<const int32_t> steps, std::span<uint32_t> out) {
   CHECK_EQ(steps.size(), proto::kTileTexels);
   CHECK_EQ(out.size(), steps.size());
-  const double step_m = layer.step_m * static_cast<double>(uint64_t{1} << tile.level);
+  const double step_m = layer.stepAt(tile.level);
   for (size_t i = 0; i < steps.size(); ++i)
     out[i] = static_cast<uint32_t>(std::clamp((steps[i] * step_m - code.low_m) / code.step_m + 0.5, 0.0, kMaxCode));
 }
@@ -230,8 +236,9 @@ void castShadows(const proto::TileLayer& layer, const proto::TileId& tile, const
     for (uint32_t& texel : ground) texel |= kHeightBits << 16;
     return;
   }
-  const Extent columns = extentOf(tile.x, layer.widthAt(tile.level)),
-               rows = extentOf(tile.y, layer.heightAt(tile.level));
+  const bool has_border = !layer.isGlobe();
+  const Extent all{0, kSide - 1}, columns = has_border ? extentOf(tile.x, layer.widthAt(tile.level)) : all,
+                                  rows = has_border ? extentOf(tile.y, layer.heightAt(tile.level)) : all;
   const Beyond beyond(tile, parent, columns, rows);
   Pass(light, beyond, light.along_x ? columns : rows, light.along_x ? rows : columns, ground).run();
 }

@@ -46,10 +46,14 @@ void slopesOf(const proto::TileLayer& layer, const proto::TileId& tile, std::spa
               std::span<uint32_t> out) {
   CHECK_EQ(steps.size(), proto::kTileTexels);
   CHECK_EQ(out.size(), steps.size());
-  const double step_m = layer.step_m * static_cast<double>(uint64_t{1} << tile.level);
+  const double step_m = layer.stepAt(tile.level);
   const double per_step = step_m / layer.texelAt(tile.level);
-  const auto columns = differencesOf(tile.x, layer.widthAt(tile.level), per_step);
-  const auto rows = differencesOf(tile.y, layer.heightAt(tile.level), per_step);
+  // A globe's raster has no border.
+  const auto differences = [&](uint32_t at, uint32_t texels) {
+    return layer.isGlobe() ? differencesOf(1, proto::kMaxLayerSide, per_step) : differencesOf(at, texels, per_step);
+  };
+  const auto columns = differences(tile.x, layer.widthAt(tile.level));
+  const auto rows = differences(tile.y, layer.heightAt(tile.level));
   for (uint32_t y = 0; y < kTexels; ++y) {
     const Difference& row = rows[y];
     const int32_t* here = &steps[size_t{y} * kTexels];

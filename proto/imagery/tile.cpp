@@ -17,6 +17,9 @@ Status TileLayer::validate() const {
   if (!(std::abs(origin.x) <= largest && std::abs(origin.y) <= largest)) return wrong("lies nowhere");
   if (!(texel >= 1e-6 && texel <= 1e6)) return wrong("has texels of an absurd size");
   if (is_relief && !(step_m >= 1e-6 && step_m <= 1e4)) return wrong("has an absurd step of height");
+  if (isGlobe() && (width != height || width % (1u << faceBits(0)) != 0 || origin != glm::dvec2(0) ||
+                    !(std::abs(texel * width - face_steps) <= 1e-6 * face_steps)))
+    return wrong("does not fill the faces of the globe");
   return {};
 }
 

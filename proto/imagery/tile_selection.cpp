@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <numbers>
 
@@ -17,6 +18,7 @@ constexpr double kMinFacing = 0.05;
 // Slopes over 60 degrees count as such: a texel there is no larger.
 constexpr double kMaxFacing = 2;
 constexpr double kMaxBend = 0.1;
+constexpr double kWithinFace = 1e-6;  // lattice steps
 constexpr double kQuarterTurn = 1.57079632679489662;
 
 class Selection {
@@ -30,6 +32,7 @@ class Selection {
     focal_px_ = view.lens.height_px / (2 * view.lens.tanHalfFov());
     cos_region_ = std::cos(view.region_angle_rad), sin_region_ = std::sin(view.region_angle_rad);
     largest_stretch_ = stretchAt(frustum_.cosCorner());
+    if (frame.frame().kind == FrameKind::kGlobe) eye_normal_ = frame.upAt(view.pose.eye);
     if (frame.frame().kind == FrameKind::kPlanar)
       planar_axes_ = axesAt({0, 0, 0}, frame.toScene(LatticePosition{0, 0, 0}));
   }
@@ -44,6 +47,8 @@ class Selection {
   struct Ground {
     Ground(const Selection& selection, const LatticeBox& lattice_box, double lowest, double highest)
         : box(lattice_box), lowest_m(lowest), highest_m(highest) {
+      // The side of a face is the next face's, which need not lie beside it.
+      if (selection.frame_.frame().kind == FrameKind::kGlobe) box.high.x -= kWithinFace;
       const glm::dvec2 middle = 0.5 * (box.low + box.high);
       const LatticePosition at{middle.x, middle.y, 0.5 * (lowest + highest)};
       const FrameTransform& frame = selection.frame_;
@@ -134,16 +139,37 @@ class Selection {
   double widening(const LatticeBox& box) const {
     if (planar_axes_) return 1;
     const Frame& frame = frame_.frame();
+    if (frame.kind == FrameKind::kGlobe) return globeWidening((box.high.x - box.low.x) / frame.face_steps);
     const double south = frame.latitude0_rad + box.low.y * frame.latitude_step_rad,
                  north = frame.latitude0_rad + box.high.y * frame.latitude_step_rad;
     return std::cos(std::clamp(0.0, south, north)) / std::max(1e-9, std::cos(0.5 * (south + north)));
   }
+  // The area of a cell changes by less than exp(1.07 s) along s of a face's coordinates, which go from -1 to 1, and is
+  // largest in the face's middle; of the share of a face's side that some ground has.
+  static double globeWidening(double share) { return std::min(1.46, 1 + 1.25 * share); }
   // From anywhere that the eye may be to the box of the ground.
   double nearestDistance(const Ground& g) const {
+    if (frame_.frame().kind == FrameKind::kGlobe)
+      return std::max(distanceOnGlobe(g) - view_.region_radius_m, kNearestGround_m);
     const LatticePosition nearest{std::clamp(eye_.x, g.box.low.x, g.box.high.x),
                                   std::clamp(eye_.y, g.box.low.y, g.box.high.y),
                                   std::clamp(eye_.height_m, g.lowest_m, g.highest_m)};
     return std::max(glm::distance(view_.pose.eye, frame_.toScene(nearest)) - view_.region_radius_m, kNearestGround_m);
+  }
+
+  // No more than from the eye to the ground of a box. Where a face's coordinates, taken one by one, lead to the nearest
+  // of the box it may be nearer somewhere else, for they are skewed: the angle between them is 60 degrees at least.
+  double distanceOnGlobe(const Ground& g) const {
+    const double beyond = glm::distance(view_.pose.eye, g.centre) - (g.radius - view_.region_radius_m);
+    const double steps = frame_.frame().face_steps, face = std::floor(0.5 * (g.box.low.x + g.box.high.x) / steps);
+    const auto on_face = cubePointOn(static_cast<uint32_t>(face), eye_normal_);
+    if (!on_face) return beyond;
+    const glm::dvec2 own((face + 0.5 * (on_face->s + 1)) * steps, 0.5 * (on_face->t + 1) * steps),
+        nearest = glm::clamp(own, g.box.low, g.box.high);
+    const glm::dvec3 there =
+        frame_.toScene(LatticePosition{nearest.x, nearest.y, std::clamp(eye_.height_m, g.lowest_m, g.highest_m)});
+    const bool is_below = own == nearest && face == std::floor(eye_.x / steps);
+    return std::max(beyond, (is_below ? 1 : 0.8) * glm::distance(view_.pose.eye, there));
   }
 
   // How much larger the area of a texel appears than if it were level and seen from straight above, at most: for a
@@ -189,6 +215,7 @@ class Selection {
   // corners.
   double bendOf(const Ground& g) const {
     if (planar_axes_) return 0;
+    if (frame_.frame().kind == FrameKind::kGlobe) return 3 * g.radius / frame_.frame().minRadius();
     const double x = 0.5 * (g.box.low.x + g.box.high.x), height_m = 0.5 * (g.lowest_m + g.highest_m);
     const auto spacingAt = [&](double y) {
       return glm::distance(frame_.toScene(LatticePosition{x, y, height_m}),
@@ -219,6 +246,7 @@ class Selection {
   const View& view_;
   Frustum frustum_;
   LatticePosition eye_;
+  glm::dvec3 eye_normal_{0};  // on a globe
   double focal_px_;
   double cos_region_ = 1, sin_region_ = 0;  // of the angle that the camera may turn by
   double largest_stretch_;                  // in a corner of the screen
@@ -305,11 +333,13 @@ void selectTiles(const TileLayer& layer, uint8_t layer_index, const FrameTransfo
     const Selection::Ground area(selection, layer.boxOf(tile), bounds->lowest_m, bounds->highest_m);
     const auto size_px = selection.texelSize(tile.level, area, *bounds);
     SelectedTile selected{tile, static_cast<float>(size_px.value_or(0))};
-    if (layer.isCoarsest(tile)) return out.push_back(selected);
+    // Of a globe's six those that are seen, or all would take room.
+    if (layer.isCoarsest(tile) && (size_px || !layer.isGlobe())) return out.push_back(selected);
     if (search && 2 * selected.texel_px > tau_texel_px) search->look(selected, 0.5 * tau_texel_px);
     if (2 * selected.texel_px > tau_texel_px) out.push_back(selected);
   };
-  consider({layer_index, static_cast<uint8_t>(layer.levels() - 1), 0, 0});
+  for (uint32_t face = 0; face < layer.faces(); ++face)
+    consider({layer_index, static_cast<uint8_t>(layer.levels() - 1), face, 0});
   // Level by level; `from` is the first tile of the level before.
   size_t from = 0;
   while (from < out.size() && out.size() < most && out[from].tile.level > 0) {

@@ -9,8 +9,9 @@ namespace foreland::proto {
 
 namespace {
 
-Result<TileLayer> layerOf(const fb::TileLayer& m) {
+Result<TileLayer> layerOf(const fb::TileLayer& m, const GridShape& shape) {
   TileLayer layer;
+  if (shape.is_cube) layer.face_steps = 1u << shape.root_log2;
   layer.content = static_cast<TileContent>(m.content());
   layer.coding = static_cast<TileCoding>(m.coding());
   layer.width = m.width();
@@ -28,7 +29,7 @@ Status readTiles(const fb::Welcome& m, Welcome& out) {
   if (!m.tile_layers()) return {};
   if (m.tile_layers()->size() > kMaxTileLayers) return malformed("too many layers of tiles");
   for (const fb::TileLayer* each : *m.tile_layers()) {
-    auto layer = layerOf(*each);
+    auto layer = layerOf(*each, out.shape);
     if (!layer) return layer.error();
     if (!out.tile_layers.empty() && out.tile_layers.front().content == layer->content)
       return malformed("two layers of tiles have the same content");

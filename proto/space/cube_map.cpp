@@ -44,14 +44,24 @@ glm::dvec3 cubeVector(uint32_t face, double u, double v) {
   return vector;
 }
 
+static CubePoint onFace(uint32_t face, const glm::dvec3& v, double depth) {
+  const FaceAxes& axes = kAxes[face];
+  return {face, cubeCoordinate(axes.sign[0] * v[axes.component[0]] / depth),
+          cubeCoordinate(axes.sign[1] * v[axes.component[1]] / depth)};
+}
+
 CubePoint cubePoint(const glm::dvec3& v) {
   const glm::dvec3 size(std::fabs(v.x), std::fabs(v.y), std::fabs(v.z));
   const uint32_t axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
-  const uint32_t face = v[axis] < 0 ? axis + 3 : axis;
-  const FaceAxes& axes = kAxes[face];
-  const double depth = size[axis];
-  return {face, cubeCoordinate(axes.sign[0] * v[axes.component[0]] / depth),
-          cubeCoordinate(axes.sign[1] * v[axes.component[1]] / depth)};
+  return onFace(v[axis] < 0 ? axis + 3 : axis, v, size[axis]);
+}
+
+std::optional<CubePoint> cubePointOn(uint32_t face, const glm::dvec3& v) {
+  double depth = v[kAxes[face].component[2]] * kAxes[face].sign[2];
+  // Beyond a side straight to its great circle.
+  for (const int axis : {0, 1})
+    if (const double along = std::fabs(v[kAxes[face].component[axis]]); along > depth) depth = 0.5 * (depth + along);
+  return depth > 0 ? std::optional(onFace(face, v, depth)) : std::nullopt;
 }
 
 Spheroid::Spheroid(double equatorial_m, double polar_m)

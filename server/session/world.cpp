@@ -18,6 +18,7 @@ World::World(std::shared_ptr<const terrain::Scene> scene, SceneObjects objects, 
   if (hierarchy.epochs().epochs().blend() != proto::EpochBlend::kLinear)
     motion = std::make_unique<const GroundMotion>(hierarchy);
   if (hierarchy.scene().tiles().layers().empty() || !hierarchy.epochs().epochs().empty()) return;
+  if (hierarchy.grid().isCube()) return;  // squares of the ground know no seams; tiles' own bounds do
   ground = std::make_shared<const SceneGround>(SceneGround{GroundSquares(hierarchy), HorizonGrid::of(hierarchy)});
 }
 

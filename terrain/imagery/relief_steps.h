@@ -16,7 +16,7 @@ namespace foreland::terrain {
 template <class HeightAt>
 void takeReliefSteps(const proto::TileLayer& layer, const proto::TileId& tile, double height_quantum_m,
                      const HeightAt& heightAt, std::vector<int32_t>& steps) {
-  const double scale = height_quantum_m / (layer.step_m * static_cast<double>(uint64_t{1} << tile.level));
+  const double scale = height_quantum_m / layer.stepAt(tile.level);
   const auto clamped = [](uint32_t tile_at, uint32_t i, uint32_t count) {
     const int64_t at = int64_t{tile_at} * proto::kTilePayload + i - proto::kTileGutter;
     return static_cast<uint32_t>(std::clamp<int64_t>(at, 0, int64_t{count} - 1));

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <limits>
 #include <numbers>
@@ -9,6 +10,7 @@
 
 #include "proto/imagery/relief_codec.h"
 #include "terrain/geo/geodesy.h"
+#include "terrain/imagery/cube_fold.h"
 #include "terrain/imagery/ground_bounds.h"
 #include "terrain/imagery/normal_cone.h"
 #include "terrain/imagery/relief_steps.h"
@@ -41,28 +43,54 @@ SparseGroundBounds::SparseGroundBounds(const StoredHeights& ground, const proto:
   rounding_rad_ = std::atan(1.5 * height_quantum_m_ / std::min(spacing_m.x, spacing_m.y));
 }
 
-proto::TileBounds SparseGroundBounds::over(const proto::LatticeBox& box) const {
+// Calls visit(low_x, low_y, high_x, high_y) for the windows of samples that hold a box and a ring about it.
+template <class Visit>
+void SparseGroundBounds::forEachWindow(const proto::LatticeBox& box, const Visit& visit) const {
+  const glm::dvec2 low = glm::floor(box.low) - kSparseRing, high = glm::ceil(box.high) + kSparseRing;
   const proto::GridShape& shape = ground_.grid().shape();
-  const auto clamped = [](double v, uint32_t count) { return static_cast<uint32_t>(std::clamp(v, 0.0, count - 1.0)); };
+  const auto within = [&](const glm::dvec2& first, const glm::dvec2& last, const FaceBox& b) {
+    const glm::uvec2 from(glm::clamp(b.low, first, last)), to(glm::clamp(b.high, first, last));
+    visit(from.x, from.y, to.x, to.y);
+  };
+  if (!shape.is_cube)
+    return within(glm::dvec2(0), glm::dvec2(shape.samples_x, shape.samples_y) - 1.0, FaceBox{0, low, high});
+  const double side = ground_.grid().rootSize(), face = std::floor(0.5 * (box.low.x + box.high.x) / side);
+  const auto onFace = [&](const FaceBox& b) {
+    const glm::dvec2 origin(b.face * side, 0);
+    within(origin, origin + (side - 1), {b.face, origin + b.low, origin + b.high});
+  };
+  const FaceBox own{static_cast<uint32_t>(face), low - glm::dvec2(face * side, 0), high - glm::dvec2(face * side, 0)};
+  onFace(own);
+  const glm::dvec2 inner_low = glm::max(own.low, 0.0), inner_high = glm::min(own.high, side);
+  const auto beyond = [&](const glm::dvec2& a, const glm::dvec2& b) {
+    onFace(foldedOver(FaceBox{own.face, a, b}, side));
+  };
+  if (own.low.x < 0) beyond({own.low.x, inner_low.y}, {0, inner_high.y});
+  if (own.high.x > side) beyond({side, inner_low.y}, {own.high.x, inner_high.y});
+  if (own.low.y < 0) beyond({inner_low.x, own.low.y}, {inner_high.x, 0});
+  if (own.high.y > side) beyond({inner_low.x, side}, {inner_high.x, own.high.y});
+}
+
+proto::TileBounds SparseGroundBounds::over(const proto::LatticeBox& box) const {
   std::vector<glm::dvec3> normals;
   double lowest = proto::kMaxHeight, highest = -proto::kMaxHeight;
-  FlatSquares(ground_.grid(), ground_.pages())
-      .forEachIn(clamped(std::floor(box.low.x) - kSparseRing, shape.samples_x),
-                 clamped(std::floor(box.low.y) - kSparseRing, shape.samples_y),
-                 clamped(std::ceil(box.high.x) + kSparseRing, shape.samples_x),
-                 clamped(std::ceil(box.high.y) + kSparseRing, shape.samples_y),
-                 [&](uint32_t x, uint32_t y, uint32_t side) {
-                   glm::dvec3 p[4];
-                   for (uint32_t k = 0; k < 4; ++k) {
-                     const NodeId v = NodeId::at(x + side * (k % 2), y + side * (k / 2));
-                     const double height = ground_.exactAt(v);
-                     lowest = std::min(lowest, height), highest = std::max(highest, height);
-                     p[k] = positions_.position(v, height);
-                   }
-                   for (const glm::dvec3& east : {p[1] - p[0], p[3] - p[2]})
-                     for (const glm::dvec3& north : {p[2] - p[0], p[3] - p[1]})
-                       normals.push_back(glm::normalize(glm::cross(east, north)));
-                 });
+  const proto::GridTopology& grid = ground_.grid();
+  const auto include = [&](uint32_t x, uint32_t y, uint32_t side) {
+    glm::dvec3 p[4];
+    for (uint32_t k = 0; k < 4; ++k) {
+      const NodeId v = grid.nameIn(x >> grid.shape().root_log2, NodeId::at(x + side * (k % 2), y + side * (k / 2)));
+      const double height = ground_.exactAt(v);
+      lowest = std::min(lowest, height), highest = std::max(highest, height);
+      p[k] = positions_.position(v, height);
+    }
+    for (const glm::dvec3& east : {p[1] - p[0], p[3] - p[2]})
+      for (const glm::dvec3& north : {p[2] - p[0], p[3] - p[1]})
+        normals.push_back(glm::normalize(glm::cross(east, north)));
+  };
+  const FlatSquares squares(grid, ground_.pages());
+  forEachWindow(box, [&](uint32_t low_x, uint32_t low_y, uint32_t high_x, uint32_t high_y) {
+    squares.forEachIn(low_x, low_y, high_x, high_y, include);
+  });
   // Floats, and heights that are rounded.
   proto::TileBounds bounds;
   bounds.lowest_m = std::nextafter(static_cast<float>((lowest - 1) * height_quantum_m_), -1e30f);

@@ -20,10 +20,14 @@ class SparseGroundBounds {
   // `ground` must outlive it; `frame` has the height quantum. O(columns + rows).
   SparseGroundBounds(const StoredHeights& ground, const proto::Frame& frame);
 
-  // As GroundBounds::over(), also of heights between nodes that are rounded to whole quanta. Any thread.
+  // As GroundBounds::over(), on a globe of a box on one face; also of heights between nodes that are rounded to whole
+  // quanta. Any thread.
   proto::TileBounds over(const proto::LatticeBox& box) const;
 
  private:
+  template <class Visit>
+  void forEachWindow(const proto::LatticeBox& box, const Visit& visit) const;
+
   const StoredHeights& ground_;
   double height_quantum_m_, rounding_rad_;
   proto::FrameGrid positions_;

@@ -68,7 +68,7 @@ class ReliefCheck {
   }
 
  private:
-  double step(uint32_t level) const { return layer_.step_m * static_cast<double>(uint64_t{1} << level); }
+  double step(uint32_t level) const { return layer_.stepAt(level); }
 
   bool isOfSamples(const TileId& tile, const proto::TileBounds& bounds, const Scratch& scratch) const {
     const double max_m = layer_.step_m * (0.5 + kStepRounding) + rounding_m_,

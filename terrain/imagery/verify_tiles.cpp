@@ -1,6 +1,7 @@
 #include "terrain/imagery/verify_tiles.h"
 
 #include "terrain/imagery/normal_cone.h"
+#include "terrain/imagery/verify_globe_relief.h"
 #include "terrain/imagery/verify_relief.h"
 #include "terrain/imagery/webp.h"
 #include "terrain/parallel.h"
@@ -50,9 +51,11 @@ TilesReport verifyTiles(const Scene& scene, unsigned threads) {
   tiles.check([&](const std::string& what) { faults.add(0, what); });
   for (size_t at = 0; at < tiles.layers().size(); ++at) {
     const auto i = static_cast<uint8_t>(at);
-    report.layers.push_back(tiles.layers()[i].content == proto::TileContent::kRelief
-                                ? verifyRelief(scene, i, threads, faults)
-                                : verifyImagery(scene, i, threads, faults));
+    const proto::TileLayer& layer = tiles.layers()[i];
+    const bool is_relief = layer.content == proto::TileContent::kRelief;
+    report.layers.push_back(!is_relief        ? verifyImagery(scene, i, threads, faults)
+                            : layer.isGlobe() ? verifyGlobeRelief(scene, i, threads, faults)
+                                              : verifyRelief(scene, i, threads, faults));
   }
   report.faults = faults.count();
   report.first_faults = faults.first();

@@ -18,7 +18,14 @@ Error refused(const ObjectRequest& request, const std::string& what) {
 }
 
 // The lattice position of the coordinates in a request.
-glm::dvec2 latticePlace(const proto::Frame& frame, const glm::dvec2& at) {
+glm::dvec2 latticePlace(const proto::FrameTransform& transform, const glm::dvec2& at) {
+  const proto::Frame& frame = transform.frame();
+  if (frame.kind == proto::FrameKind::kGlobe) {
+    const proto::CubePoint p =
+        proto::cubePoint(transform.upAt(transform.toScene(proto::Geodetic{at.x * kRadians, at.y * kRadians, 0})));
+    const auto share = [](double s) { return std::min(0.5 * (s + 1), 1 - 1e-12); };  // within the face
+    return glm::dvec2(p.face + share(p.s), share(p.t)) * (1.0 * frame.face_steps);
+  }
   if (frame.kind == proto::FrameKind::kGeographic)
     return {(at.y * kRadians - frame.longitude0_rad) / frame.longitude_step_rad,
             (at.x * kRadians - frame.latitude0_rad) / frame.latitude_step_rad};
@@ -27,9 +34,13 @@ glm::dvec2 latticePlace(const proto::Frame& frame, const glm::dvec2& at) {
   return frame.anchor + glm::dvec2((d.x * y.y - d.y * y.x) / det, (x.x * d.y - x.y * d.x) / det);
 }
 
-// East, north and up at a point, turned clockwise by the heading.
-glm::dquat standing(const glm::dvec3& up, double heading_rad) {
-  const glm::dvec3 north = glm::normalize(glm::dvec3(0, 1, 0) - up * up.y), east = glm::cross(north, up);
+// East, north and up at a point, turned clockwise by the heading. At a globe's poles north is along the meridians of
+// 180 and of 0 degrees.
+glm::dquat standing(const proto::Frame& frame, const glm::dvec3& up, double heading_rad) {
+  glm::dvec3 towards(0, 1, 0);
+  if (frame.kind == proto::FrameKind::kGlobe)
+    towards = std::hypot(up.x, up.y) > 1e-9 ? glm::dvec3(0, 0, 1) : glm::dvec3(-up.z, 0, 0);
+  const glm::dvec3 north = glm::normalize(towards - up * glm::dot(up, towards)), east = glm::cross(north, up);
   const double c = std::cos(heading_rad), s = std::sin(heading_rad);
   return glm::normalize(glm::quat_cast(glm::dmat3(c * east - s * north, s * east + c * north, up)));
 }
@@ -48,20 +59,20 @@ Result<proto::ObjectPlacement> placeAsItIs(const ObjectRequest& request, const M
   const glm::dvec2 middle =
       glm::dvec2(origin) + request.scale * model.quantumMetres() / 2 *
                                glm::dvec2(double(h.low[0]) + h.high[0], double(h.low[1]) + h.high[1]);
-  const glm::dvec2 at = latticePlace(frame, middle);
+  const glm::dvec2 at = latticePlace(transform, middle);
   if (!groundAt(at.x, at.y))
     return refused(request, "its own place, (" + std::to_string(middle.x) + ", " + std::to_string(middle.y) +
                                 ") on the map, lies beyond the data; build the scene in the model's reference system, "
                                 "or give x and y of the map, in metres");
   const glm::dvec3 point(glm::dvec2(origin) - frame.map_origin_m, origin.z + request.height_m);
-  return proto::ObjectPlacement{0, point, standing({0, 0, 1}, request.heading_deg * kRadians), request.scale};
+  return proto::ObjectPlacement{0, point, standing(frame, {0, 0, 1}, request.heading_deg * kRadians), request.scale};
 }
 
 Result<proto::ObjectPlacement> place(const ObjectRequest& request, const MappedSurface& model,
                                      const proto::FrameTransform& transform,
                                      const std::function<std::optional<double>(double, double)>& groundAt) {
   if (request.is_at_own_place) return placeAsItIs(request, model, transform, groundAt);
-  const glm::dvec2 at = latticePlace(transform.frame(), request.at);
+  const glm::dvec2 at = latticePlace(transform, request.at);
   const std::optional<double> ground = groundAt(at.x, at.y);
   if (!ground) {
     const bool is_planar = transform.frame().kind == proto::FrameKind::kPlanar;
@@ -70,9 +81,14 @@ Result<proto::ObjectPlacement> place(const ObjectRequest& request, const MappedS
                                 (is_planar ? "x and y of the map, in metres" : "latitude and longitude, in degrees"));
   }
   const double lowest_m = model.header().low[2] * model.quantumMetres() * request.scale;
-  const glm::dvec3 point = transform.toScene(proto::LatticePosition{at.x, at.y, *ground + request.height_m});
+  const double height_m = *ground + request.height_m;
+  const glm::dvec3 point =
+      transform.frame().kind == proto::FrameKind::kGlobe
+          ? transform.toScene(proto::Geodetic{request.at.x * kRadians, request.at.y * kRadians, height_m})
+          : transform.toScene(proto::LatticePosition{at.x, at.y, height_m});
   const glm::dvec3 up = transform.upAt(point);
-  return proto::ObjectPlacement{0, point - up * lowest_m, standing(up, request.heading_deg * kRadians), request.scale};
+  return proto::ObjectPlacement{0, point - up * lowest_m,
+                                standing(transform.frame(), up, request.heading_deg * kRadians), request.scale};
 }
 
 StoredPlacement stored(const proto::ObjectPlacement& p) {

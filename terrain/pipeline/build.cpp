@@ -187,7 +187,7 @@ Result<ImageryReport> makeImagery(const Terrain& terrain, const BuildOptions& op
   auto report = addImagery(*options.picture, boundsOver(terrain), how, stage(progress, "imagery"), section);
   if (!report) return report;
   if (!report->is_complete) return stopped();
-  describePicture(*options.picture, *report, origin);
+  describePicture(options.picture->info().notes, *report, origin);
   return report;
 }
 

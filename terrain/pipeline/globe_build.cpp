@@ -4,12 +4,17 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <numbers>
+#include <optional>
 #include <utility>
 
 #include "proto/space/cube_map.h"
 #include "proto/space/frame.h"
+#include "terrain/imagery/globe_imagery.h"
+#include "terrain/imagery/globe_relief.h"
 #include "terrain/pipeline/globe_residual.h"
+#include "terrain/pipeline/scene_parts.h"
 #include "terrain/pipeline/sparse_build.h"
+#include "terrain/store/bilinear.h"
 
 namespace foreland::terrain {
 
@@ -74,6 +79,70 @@ SceneDatum datumOf(const GlobeInfo& info, const GridTopology& grid, const std::v
   return datum;
 }
 
+// The tiles of a globe, which follow from its ground.
+class GlobeTiles {
+ public:
+  GlobeTiles(const GlobeOptions& options, const proto::Frame& frame, const Progress& progress)
+      : options_(options), frame_(frame), progress_(progress) {}
+
+  Status add(const StoredHeights& ground, SceneWriter::About& about) {
+    if (Status s = addObjects(ground, about); !s.ok()) return s;
+    auto tiles = TileSection::create(options_.output);
+    if (!tiles) return tiles.error();
+    tiles_.emplace(std::move(*tiles));
+    const SparseGroundBounds bounds(ground, frame_);
+    const auto relief =
+        addGlobeRelief(ground, bounds, frame_, options_.output, options_.threads, stage("relief"), *tiles_);
+    if (!relief) return relief.error();
+    if (!*relief) return stopped();
+    if (options_.picture != nullptr)
+      if (Status s = addPicture(bounds, about.origin); !s.ok()) return s;
+    about.tiles = &*tiles_;
+    return {};
+  }
+  const ImageryReport& imagery() const { return imagery_; }
+
+ private:
+  KeepGoing stage(std::string_view name) const {
+    progress_.report(name, 0);
+    return [this, name](double fraction) {
+      progress_.report(name, fraction);
+      return progress_.keepGoing();
+    };
+  }
+  // On the ground between samples as triangles have it, but for the choice of their diagonals.
+  Status addObjects(const StoredHeights& ground, SceneWriter::About& about) const {
+    auto dates = proto::Epochs::create(about.shape, {}, proto::EpochBlend::kLinear);
+    if (!dates) return dates.error();
+    auto objects = makeObjectSection(options_.objects, frame_, *dates, [&](double x, double y) {
+      const uint32_t steps = frame_.face_steps, face = std::min(static_cast<uint32_t>(x / steps), 5u);
+      const auto metres = [&](uint32_t i, uint32_t j) {
+        return ground.exactAt(ground.grid().nameIn(face, NodeId::at(face * steps + i, j))) * frame_.height_quantum_m;
+      };
+      return std::optional(bilinear(steps + 1, steps + 1, x - 1.0 * face * steps, y, metres));
+    });
+    if (!objects.ok()) return objects.error();
+    about.objects = std::move(*objects);
+    return {};
+  }
+  Status addPicture(const SparseGroundBounds& bounds, SceneOrigin& origin) {
+    const BoundsOf boundsOf = [&](const proto::LatticeBox& box, std::vector<glm::dvec3>&) { return bounds.over(box); };
+    const ImageryOptions how{options_.imagery_quality, options_.attribution, options_.output, options_.threads};
+    const auto report = addGlobeImagery(*options_.picture, frame_.face_steps, boundsOf, how, stage("imagery"), *tiles_);
+    if (!report) return report.error();
+    if (!report->is_complete) return stopped();
+    imagery_ = *report;
+    describePicture(options_.picture->notes(), imagery_, origin);
+    return {};
+  }
+
+  const GlobeOptions& options_;
+  const proto::Frame& frame_;
+  const Progress& progress_;
+  std::optional<TileSection> tiles_;
+  ImageryReport imagery_;
+};
+
 Error stoppedEarly() { return {ErrorCode::kIo, "stopped before the scene was complete; nothing was written"}; }
 
 }  // namespace
@@ -128,11 +197,15 @@ Result<BuildReport> buildGlobe(const GlobeSource& source, const GlobeOptions& op
   const auto residuals_m = globeResiduals(source, *grid, frame, pages, height, options.threads, keepGoing);
   if (!residuals_m) return stoppedEarly();
   SceneOrigin origin{.title = info.title, .crs_wkt = {}, .notes = info.notes, .voids_filled = info.voids_filled};
-  auto report = buildSparseScene({*grid, frame, std::move(pages), height},
-                                 {options.output, options.threads, std::move(origin),
-                                  datumOf(info, *grid, *residuals_m, options.height_quantum_m)},
-                                 progress);
-  if (report.ok()) report->warnings = info.warnings;
+  GlobeTiles tiles(options, frame, progress);
+  auto report = buildSparseScene(
+      {*grid, frame, std::move(pages), height},
+      {options.output, options.threads, std::move(origin), datumOf(info, *grid, *residuals_m, options.height_quantum_m),
+       [&](const StoredHeights& ground, SceneWriter::About& about) { return tiles.add(ground, about); }},
+      progress);
+  if (!report.ok()) return report;
+  report->warnings = info.warnings;
+  report->imagery = tiles.imagery();
   return report;
 }
 

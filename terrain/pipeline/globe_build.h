@@ -4,17 +4,26 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <string>
+#include <vector>
 
 #include "base/result.h"
+#include "terrain/globe_picture.h"
 #include "terrain/globe_source.h"
+#include "terrain/imagery/imagery.h"
+#include "terrain/objects/placed_objects.h"
 #include "terrain/pipeline/build.h"
 
 namespace foreland::terrain {
 
 struct GlobeOptions {
   std::filesystem::path output;
-  double height_quantum_m = 0.1;  // heights become whole quanta: each moves by at most half of one
-  unsigned threads = 0;           // 0: one per processor
+  double height_quantum_m = 0.1;         // heights become whole quanta: each moves by at most half of one
+  unsigned threads = 0;                  // 0: one per processor
+  std::vector<ObjectRequest> objects{};  // that stand on it, at latitudes and longitudes
+  const GlobePicture* picture = nullptr;
+  int imagery_quality = kDefaultImageryQuality;
+  std::string attribution{};  // of the picture
 };
 
 // How fine a globe is: faces of 2^whole_log2 steps a side everywhere, of 2^deepest_log2 where the finest inset is, the

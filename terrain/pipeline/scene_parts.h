@@ -28,8 +28,8 @@ inline SceneDatum datumOf(const proto::VerticalDatum& vertical, const std::vecto
   return datum;
 }
 
-inline void describePicture(const PictureSource& picture, const ImageryReport& report, SceneOrigin& origin) {
-  for (const std::string& note : picture.info().notes) origin.notes.push_back(note);
+inline void describePicture(const std::vector<std::string>& notes, const ImageryReport& report, SceneOrigin& origin) {
+  for (const std::string& note : notes) origin.notes.push_back(note);
   if (report.covered < 1)
     origin.notes.push_back("pictures cover " + std::to_string(static_cast<int>(report.covered * 100)) +
                            " % of the scene; the rest fades from what is nearest to it");

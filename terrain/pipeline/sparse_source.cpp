@@ -80,7 +80,7 @@ class Completion {
     if (!report) return report.error();
     if (!report->is_complete) return stopped();
     imagery_ = *report;
-    describePicture(*options_.picture, imagery_, origin);
+    describePicture(options_.picture->info().notes, imagery_, origin);
     return {};
   }
 

@@ -35,9 +35,16 @@ glm::vec3 fromSrgb(Texel texel) {
   return {part(0), part(8), part(16)};
 }
 
-glm::vec3 lit(const glm::vec3& albedo, const glm::vec3& normal, const glm::vec3& up) {
+// North-west of a globe's place, in the body's axes.
+glm::vec3 sunOver(const glm::vec3& up) {
+  const glm::vec3 across(-up.y, up.x, 0),
+      east = glm::length(across) > 1e-6f ? glm::normalize(across) : glm::vec3(0, 1, 0);
+  return kSun.x * east + kSun.y * glm::cross(up, east) + kSun.z * up;
+}
+
+glm::vec3 lit(const glm::vec3& albedo, const glm::vec3& normal, const glm::vec3& up, const glm::vec3& sun = kSun) {
   const float openness = 0.5f + 0.5f * glm::dot(normal, up);
-  return albedo * (kSunlight * std::max(glm::dot(normal, kSun), 0.0f) + glm::mix(kGroundlight, kSkylight, openness));
+  return albedo * (kSunlight * std::max(glm::dot(normal, sun), 0.0f) + glm::mix(kGroundlight, kSkylight, openness));
 }
 
 }  // namespace
@@ -51,6 +58,7 @@ Result<Shading> Shading::of(const std::shared_ptr<const Scene>& scene) {
 // Haze veils two thirds at the distance of the scene's diagonal.
 Shading::Shading(std::shared_ptr<const Scene> scene, PlacedObjects objects)
     : scene_(std::move(scene)), objects_(std::move(objects)), transform_(scene_->frame()) {
+  if (isGlobe()) picture_ = TilePicture::of(scene_);
   const double quantum_m = scene_->frame().height_quantum_m;
   lowest_m_ = static_cast<float>(scene_->heightRange().lowest * quantum_m);
   span_m_ = std::max(static_cast<float>(scene_->heightRange().highest * quantum_m) - lowest_m_, 1e-3f);
@@ -78,18 +86,41 @@ glm::vec3 Shading::object(const RayHit& hit) const {
       model.texels()[pixel(hit.parameter.y, atlas.height()) * atlas.width() + pixel(hit.parameter.x, atlas.width())]);
 }
 
+// Texels are no finer than the ground that is as wide as a thousandth of its distance.
+glm::vec3 Shading::ofPicture(const RayHit& hit, const glm::vec3& bare) const {
+  if (!picture_) return bare;
+  const proto::LatticePosition at = transform_.toLattice(hit.position);
+  const double interval_m = transform_.spheroid().equatorial() * 1.5708 / scene_->frame().face_steps;
+  const auto colour = picture_->at({at.x, at.y}, 0.001 * hit.distance_m / interval_m);
+  if (!colour) return bare;
+  const auto part = [](double srgb) { return std::pow(static_cast<float>(srgb) / 255, 2.2f); };
+  return {part(colour->x), part(colour->y), part(colour->z)};
+}
+
+// Of a body's air there is none beyond some kilometres.
+float Shading::clearness(const Ray& ray, const RayHit& hit) const {
+  if (!isGlobe()) return std::exp(-static_cast<float>(hit.distance_m) / haze_m_);
+  constexpr float kAir_m = 12e3f, kFar_m = 4e5f;
+  const auto away = static_cast<float>(-glm::dot(ray.direction, transform_.upAt(hit.position)));
+  return std::exp(-std::min(static_cast<float>(hit.distance_m), kAir_m / std::max(away, 0.03f)) / kFar_m);
+}
+
 glm::vec3 Shading::surface(const Ray& ray, const RayHit& hit) const {
   const glm::vec3 up(transform_.upAt(hit.position));
-  const glm::vec3 albedo = hit.object == RayHit::kTerrain ? ground(hit, up) : object(hit);
-  const float clear = std::exp(-static_cast<float>(hit.distance_m) / haze_m_);
+  const glm::vec3 albedo = hit.object == RayHit::kTerrain ? ofPicture(hit, ground(hit, up)) : object(hit);
+  const float clear = clearness(ray, hit);
   return glm::mix(
       sky({ray.origin, glm::normalize(ray.direction - glm::dot(ray.direction, glm::dvec3(up)) * glm::dvec3(up))}),
-      lit(albedo, glm::vec3(hit.normal), up), clear);
+      lit(albedo, glm::vec3(hit.normal), up, isGlobe() ? sunOver(up) : kSun), clear);
 }
 
 glm::vec3 Shading::sky(const Ray& ray) const {
   const auto height = static_cast<float>(glm::dot(ray.direction, transform_.upAt(ray.origin)));
-  return glm::mix(kHaze, kZenith, 1 - std::exp(-5.5f * std::max(height, 0.0f)));
+  const glm::vec3 seen = glm::mix(kHaze, kZenith, 1 - std::exp(-5.5f * std::max(height, 0.0f)));
+  if (!isGlobe()) return seen;
+  constexpr double kAir_m = 30e3;  // and black space above
+  const double above_m = transform_.spheroid().place(ray.origin).height_m;
+  return seen * static_cast<float>(std::exp(-std::max(above_m, 0.0) / kAir_m));
 }
 
 glm::vec3 Shading::fromAbove(const glm::vec3& normal, double height_m) const {

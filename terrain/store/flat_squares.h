@@ -42,9 +42,9 @@ class FlatSquares {
   bool isFlat(uint32_t x, uint32_t y, uint32_t side) const {
     if (side == 1) return true;
     const uint32_t half = side / 2;
-    const std::array<proto::NodeId, 5> nodes{proto::NodeId::at(x + half, y + half), proto::NodeId::at(x + half, y),
-                                             proto::NodeId::at(x, y + half), proto::NodeId::at(x + half, y + side),
-                                             proto::NodeId::at(x + side, y + half)};
+    const uint32_t root_x = x >> grid_.shape().root_log2;
+    const auto at = [&](uint32_t dx, uint32_t dy) { return grid_.nameIn(root_x, proto::NodeId::at(x + dx, y + dy)); };
+    const std::array<proto::NodeId, 5> nodes{at(half, half), at(half, 0), at(0, half), at(half, side), at(side, half)};
     for (const proto::NodeId n : nodes)
       if (const int level = grid_.level(n); level == 0 || pages_.hasPage(grid_.slot(n, level))) return false;
     return true;

@@ -91,7 +91,7 @@ Status MappedScene::adopt() {
   auto epochs = EpochTable::read(grid_, sectionOf<uint8_t>(bytes_, header_.epochs), *blend);
   if (!epochs) return epochs.error();
   epochs_ = std::move(*epochs);
-  auto tiles = TileTable::read(sectionOf<uint8_t>(bytes_, header_.tiles));
+  auto tiles = TileTable::read(sectionOf<uint8_t>(bytes_, header_.tiles), frame_.face_steps);
   if (!tiles) return tiles.error();
   tiles_ = std::move(*tiles);
   if (datum_bytes > 0) {

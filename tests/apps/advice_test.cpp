@@ -384,6 +384,12 @@ constexpr std::array kNotRun{
     "no grid of undulations: it has",                          // tests/terrain/dem/vertical has such a grid
     "its georeference is degenerate; correct it with gdal_translate -a_ullr",  // GDAL drops such a georeference
     "its reference system has no unit; name one with gdal_translate -a_srs",   // GDAL gives it a unit
+    // Pictures on globes: GDAL relates all reference systems, and drops a georeference that is none.
+    "brought to latitude and longitude; convert it first with gdalwarp -t_srs ",
+    "it names no reference system; give it one with gdal_translate -a_srs",
+    "it has no position; give it one with gdal_translate -a_ullr",
+    "it does not lie between the poles, north up; correct it with gdalwarp -t_srs EPSG:4326",
+    "with gdal_translate -outsize",  // a picture of 2^28 pixels
 };
 
 class AdviceOf : public testing::TestWithParam<Advice> {

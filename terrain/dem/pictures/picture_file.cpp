@@ -230,9 +230,10 @@ bool turn(const PictureFile& picture, int turns) {
   return GDALSetGeoTransform(dataset, own.data()) == CE_None;
 }
 
-// The picture at a longitude that is so many turns of the globe further east.
-Result<PictureFile> openTurned(const std::filesystem::path& path, const std::shared_ptr<const GdalFence>& fence,
-                               const PictureLattice& lattice, const LatticeMap& map, int turns) {
+}  // namespace
+
+Result<PictureFile> openColours(const std::filesystem::path& path, const std::shared_ptr<const GdalFence>& fence,
+                                AlphaChoice alpha) {
   PictureFile picture;
   picture.fence = fence;
   picture.name = path.string();
@@ -245,11 +246,22 @@ Result<PictureFile> openTurned(const std::filesystem::path& path, const std::sha
     return Error{std::filesystem::exists(path, failed) ? ErrorCode::kMalformed : ErrorCode::kNotFound,
                  fmt::format("{}: not a picture that GDAL reads, or a damaged one (GDAL says: {})", picture.name,
                              messages.errors())};
-  const auto options = bandOptions(picture.file.get(), lattice.alpha, picture);
+  const auto options = bandOptions(picture.file.get(), alpha, picture);
   if (!options) return options.error();
   picture.colours = translate(picture.file.get(), *options);
   if (!picture.colours)
     return refusal(picture.name, "its colours cannot be read (GDAL says: " + messages.errors() + ")");
+  return picture;
+}
+
+namespace {
+
+// The picture at a longitude that is so many turns of the globe further east.
+Result<PictureFile> openTurned(const std::filesystem::path& path, const std::shared_ptr<const GdalFence>& fence,
+                               const PictureLattice& lattice, const LatticeMap& map, int turns) {
+  auto opened = openColours(path, fence, lattice.alpha);
+  if (!opened) return opened.error();
+  PictureFile picture = std::move(*opened);
   if (Status s = locate(picture, lattice, map); !s.ok()) return s.error();
   if (turns != 0 && !turn(picture, turns)) return refusal(picture.name, "it has no longitudes");
   const Status surveyed = survey(picture, lattice, map);

@@ -19,11 +19,16 @@ struct PictureFile {
   std::shared_ptr<const GdalFence> fence;
   std::string name;
   GdalDataset file;                  // as it was opened
+  std::vector<GdalDataset> sources;  // what `colours` is made of, if not of the file itself
   GdalDataset colours;               // of `file`: three bands of 8 bits, or four with alpha
   double resolution = 1;             // sample intervals that a pixel spans, where it lies on the scene
   glm::dvec2 low{0, 0}, high{0, 0};  // holds the picture on the lattice
   std::vector<std::string> notes;
 };
+
+// One file without a position on a lattice: the rest of it stays as it is.
+Result<PictureFile> openColours(const std::filesystem::path& path, const std::shared_ptr<const GdalFence>& fence,
+                                AlphaChoice alpha);
 
 // One file, or more if it is in latitude and longitude and the scene lies on both sides of where its longitudes end:
 // the same pixels again, a turn of the globe further.

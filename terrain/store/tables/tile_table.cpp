@@ -14,14 +14,14 @@ namespace {
 Error malformed(const char* what) { return {ErrorCode::kMalformed, what}; }
 
 // Everything but the attribution.
-Result<proto::TileLayer> layerOf(const StoredLayer& stored) {
-  if (stored.content > 255 || stored.coding > 255 || stored.zero != 0 ||
+Result<proto::TileLayer> layerOf(const StoredLayer& stored, uint32_t face_steps) {
+  if (stored.content > 255 || stored.coding > 255 || (face_steps == 0 && stored.tiles != 0) ||
       stored.attribution_bytes > kMaxAttributionBytes)
     return malformed("a layer of tiles is damaged");
   proto::TileLayer layer;
   layer.content = static_cast<proto::TileContent>(stored.content);
   layer.coding = static_cast<proto::TileCoding>(stored.coding);
-  layer.width = stored.width, layer.height = stored.height;
+  layer.width = stored.width, layer.height = stored.height, layer.face_steps = face_steps;
   layer.origin = {stored.origin[0], stored.origin[1]};
   layer.texel = stored.texel, layer.step_m = stored.step_m;
   if (Status s = layer.validate(); !s.ok()) return s.error();
@@ -30,7 +30,7 @@ Result<proto::TileLayer> layerOf(const StoredLayer& stored) {
 
 }  // namespace
 
-Result<TileTable> TileTable::read(ByteSpan bytes) {
+Result<TileTable> TileTable::read(ByteSpan bytes, uint32_t face_steps) {
   TileTable table;
   if (bytes.empty()) return table;
   TileSectionStart start;
@@ -42,11 +42,12 @@ Result<TileTable> TileTable::read(ByteSpan bytes) {
   if (bytes.size() < at) return malformed("its layers of tiles are cut short");
   const std::span stored(reinterpret_cast<const StoredLayer*>(bytes.data() + sizeof(start)), start.layers);
   for (const StoredLayer& s : stored) {
-    auto layer = layerOf(s);
+    auto layer = layerOf(s, face_steps);
     if (!layer) return layer.error();
     for (const proto::TileLayer& other : table.layers_)
       if (other.content == layer->content) return malformed("two layers of tiles have the same content");
-    const uint64_t count = tileCount(*layer);  // below 2^38, so nothing overflows
+    const uint64_t count = layer->isGlobe() ? s.tiles : tileCount(*layer);  // below 2^38, so nothing overflows
+    if (count < layer->faces()) return malformed("a layer of tiles lacks faces");
     if (bytes.size() - at < count * sizeof(StoredTile)) return malformed("its directory of tiles is cut short");
     table.tiles_.emplace_back(reinterpret_cast<const StoredTile*>(bytes.data() + at), count);
     table.layers_.push_back(std::move(*layer));
@@ -64,7 +65,29 @@ Result<TileTable> TileTable::read(ByteSpan bytes) {
 
 const StoredTile& TileTable::at(const proto::TileId& tile) const {
   CHECK_TRUE(tile.layer < layers_.size() && layers_[tile.layer].has(tile));
+  if (layers_[tile.layer].isGlobe()) return inTree(tile);
   return tiles_[tile.layer][tileNumber(layers_[tile.layer], tile)];
+}
+
+// From the coarsest tile down, by whatever numbers are in the file.
+const StoredTile& TileTable::inTree(const proto::TileId& tile) const {
+  static constexpr StoredTile kNone{};
+  const auto& tiles = tiles_[tile.layer];
+  const uint32_t steps = layers_[tile.layer].faceBits(tile.level);
+  uint64_t number = layers_[tile.layer].faceOf(tile);
+  for (uint32_t left = steps; left > 0; --left) {
+    const uint32_t first = tiles[number].children;
+    if (first == 0) return kNone;
+    number = uint64_t{first} + (tile.x >> (left - 1) & 1) + 2 * (tile.y >> (left - 1) & 1);
+    if (number >= tiles.size()) return kNone;
+  }
+  return tiles[number];
+}
+
+// Of the tiles that are stored. Fours that are none's children are not among them.
+std::vector<proto::TileId> TileTable::tree(uint8_t layer) const {
+  return treeOf(layers_[layer], layer, tiles_[layer].size(),
+                [&](const proto::TileId& tile) { return inTree(tile).bytes > 0; });
 }
 
 // What a server relies on, whatever the file says.
@@ -100,7 +123,7 @@ std::string TileTable::faultOf(const proto::TileId& id, uint64_t& end) const {
       return "is not stored, but its entry is not zero";
     return layers_[id.layer].isCoarsest(id) ? "is the coarsest, but it is not stored" : "";
   }
-  if (!isSound(t) || t.zero != 0) return "has a damaged entry";
+  if (!isSound(t) || (!layers_[id.layer].isGlobe() && t.children != 0)) return "has a damaged entry";
   if (t.offset != end) return "is not where it belongs";
   end += t.bytes;
   if (!layers_[id.layer].isCoarsest(id) && at(id.parent()).bytes == 0) return "has no parent";
@@ -109,6 +132,9 @@ std::string TileTable::faultOf(const proto::TileId& id, uint64_t& end) const {
 
 void TileTable::check(const std::function<void(const std::string&)>& visit) const {
   uint64_t end = first_byte_;
+  for (size_t layer = 0; layer < layers_.size(); ++layer)
+    if (layers_[layer].isGlobe() && tree(static_cast<uint8_t>(layer)).size() != tiles_[layer].size())
+      visit("the tiles of layer " + std::to_string(layer) + " are not a tree of those that are stored");
   for (size_t layer = 0; layer < layers_.size(); ++layer)
     forEach(static_cast<uint8_t>(layer), [&](const proto::TileId& id) {
       if (const std::string what = faultOf(id, end); !what.empty()) visit(nameOf(id) + " " + what);

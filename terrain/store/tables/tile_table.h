@@ -25,7 +25,8 @@ class TileTable {
   TileTable() = default;
   // The section's bytes, which must outlive it and be aligned to 8; no layers if there are none. An Error says what is
   // damaged. Costs the same for any number of tiles: damage of one tile makes bounds() say that it is not stored.
-  static Result<TileTable> read(ByteSpan bytes);
+  // `face_steps`: of a globe the lattice steps along a side of a face, else 0.
+  static Result<TileTable> read(ByteSpan bytes, uint32_t face_steps = 0);
 
   std::span<const proto::TileLayer> layers() const { return layers_; }
   // Of a tile that the layer has. Nothing if it is not stored, because its parent shows the same.
@@ -35,7 +36,8 @@ class TileTable {
   // How much its image differs from its parent's, enlarged: RMS of luminance, 0 to 1. Relief has 0.
   float detail(const proto::TileId& tile) const;
 
-  // Calls visit(id) for every tile that the layer has, the finest level first and row by row from the south.
+  // Calls visit(id) for every tile that the layer has, the finest level first and row by row from the south; on a globe
+  // for those of its tree, the coarsest first.
   template <class Visit>
   void forEach(uint8_t layer, const Visit& visit) const;
   // Calls visit(what is wrong) for every fault in the directory. O(tiles).
@@ -43,6 +45,8 @@ class TileTable {
 
  private:
   const StoredTile& at(const proto::TileId& tile) const;
+  const StoredTile& inTree(const proto::TileId& tile) const;
+  std::vector<proto::TileId> tree(uint8_t layer) const;
   bool isSound(const StoredTile& tile) const;
   std::string faultOf(const proto::TileId& id, uint64_t& end) const;
 
@@ -55,6 +59,11 @@ class TileTable {
 template <class Visit>
 void TileTable::forEach(uint8_t layer, const Visit& visit) const {
   const proto::TileLayer& l = layers_[layer];
+  if (l.isGlobe()) {
+    for (const proto::TileId& id : tree(layer))
+      if (l.has(id)) visit(id);
+    return;
+  }
   for (uint32_t level = 0; level < l.levels(); ++level)
     for (uint32_t y = 0; y < l.tilesY(level); ++y)
       for (uint32_t x = 0; x < l.tilesX(level); ++x) visit(proto::TileId{layer, static_cast<uint8_t>(level), x, y});

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+#include <cstddef>
 #include <cstring>
 #include <map>
 
@@ -63,8 +65,10 @@ class Tiles : public testing::Test {
     const proto::TileLayer& l = section.layer(layer);
     for (uint8_t level = 0; level < l.levels(); ++level)
       for (uint32_t y = 0; y < l.tilesY(level); ++y)
-        for (uint32_t x = 0; x < l.tilesX(level); ++x)
+        for (uint32_t i = 0; i < l.faces() * l.tilesX(level); ++i) {
+          const uint32_t x = l.xOf(level, i / l.tilesX(level), i % l.tilesX(level));
           if (const proto::TileId id{layer, level, x, y}; isStored(id)) ids.push_back(id);
+        }
     for (size_t i = ids.size(); i > 1; --i) std::swap(ids[i - 1], ids[rng.below(i)]);
     for (const proto::TileId& id : ids) {
       Tile tile{Bytes(1 + rng.below(300)), {}, 0.25F};
@@ -83,6 +87,91 @@ class Tiles : public testing::Test {
     return tiles;
   }
 };
+
+constexpr uint32_t kFaceSteps = 512;
+
+proto::TileLayer onGlobe(proto::TileLayer layer, uint32_t width) {
+  layer.width = layer.height = width;
+  layer.origin = {0, 0};
+  layer.face_steps = kFaceSteps;
+  layer.texel = static_cast<double>(kFaceSteps) / width;
+  return layer;
+}
+
+class TilesOfGlobes : public Tiles {
+ protected:
+  // Of the imagery's finest level there is a part of two faces.
+  TileSection globe() {
+    TileSection tiles = std::move(TileSection::create(folder / "a.fls").value());
+    fill(tiles, tiles.addLayer(onGlobe(relief(512, 512), 512)), [](const proto::TileId&) { return true; });
+    const uint8_t index = tiles.addLayer(onGlobe(imagery(4000, 4000), 4000));
+    const proto::TileLayer& l = tiles.layer(index);
+    fill(tiles, index, [&](const proto::TileId& id) {
+      const uint32_t face = l.faceOf(id);
+      return l.isCoarsest(id) || (face == 2 && id.level > 1) || (face == 5 && l.columnOf(id) >> (4 - id.level) == 0);
+    });
+    return tiles;
+  }
+};
+
+TEST_F(TilesOfGlobes, AreFoundOnAllFacesAndNowhereElse) {
+  const TileSection section = globe();
+  const Aligned bytes = bytesOf(section);
+  const auto table = TileTable::read(bytes.span(), kFaceSteps);
+  ASSERT_TRUE(table.ok()) << table.error().message;
+  EXPECT_EQ(table->layers()[1], section.layer(1));
+  std::array<size_t, 6> on_face{};
+  size_t absent = 0;
+  for (uint8_t layer = 0; layer < 2; ++layer) {
+    const proto::TileLayer& l = table->layers()[layer];
+    for (uint8_t level = 0; level < l.levels(); ++level)
+      for (uint32_t x = 0; x < 6u << l.faceBits(level); ++x)
+        for (uint32_t y = 0; y < l.tilesY(level); ++y) {
+          const proto::TileId id{layer, level, x, y};
+          if (!l.has(id)) continue;
+          const auto it = added.find(id.key());
+          ASSERT_EQ(table->bounds(id).has_value(), it != added.end()) << nameOf(id);
+          if (it == added.end()) {
+            ++absent;
+            continue;
+          }
+          const ByteSpan coded = table->bytes(id);
+          ASSERT_EQ(Bytes(coded.begin(), coded.end()), it->second.bytes);
+          ASSERT_EQ(*table->bounds(id), it->second.bounds);
+          ++on_face[l.faceOf(id)];
+        }
+  }
+  for (const size_t count : on_face) EXPECT_GT(count, 10u);
+  EXPECT_GT(absent, 1000u);
+  size_t seen = 0;
+  for (uint8_t layer = 0; layer < 2; ++layer)
+    table->forEach(layer, [&](const proto::TileId& id) { seen += table->bounds(id) ? 1 : 0; });
+  EXPECT_EQ(seen, added.size());
+  table->check([](const std::string& what) { ADD_FAILURE() << what; });
+}
+
+TEST_F(TilesOfGlobes, DamageIsAnErrorOrFoundOrHarmless) {
+  const Aligned sound = bytesOf(globe());
+  const uint64_t directory = sizeof(TileSectionStart) + 2 * sizeof(StoredLayer);
+  for (int i = 0; i < 1000; ++i) {
+    Aligned bytes = sound;
+    // Numbers of children among them.
+    const uint64_t entry = directory + rng.below(60) * sizeof(StoredTile);
+    const uint32_t number = static_cast<uint32_t>(rng.below(300));
+    std::memcpy(bytes.data() + entry + offsetof(StoredTile, children), &number, sizeof(number));
+    if (rng.below(2)) bytes.data()[rng.below(bytes.size)] = static_cast<uint8_t>(rng.next());
+    const auto table = TileTable::read(bytes.span(), kFaceSteps);
+    if (!table.ok()) continue;
+    for (uint8_t layer = 0; layer < table->layers().size(); ++layer)
+      table->forEach(layer, [&](const proto::TileId& id) {
+        const ByteSpan coded = table->bytes(id);
+        if (coded.empty()) return;
+        ASSERT_GE(coded.data(), bytes.span().data());
+        ASSERT_LE(coded.data() + coded.size(), bytes.span().data() + bytes.size);
+      });
+    table->check([](const std::string&) {});
+  }
+}
 
 TEST_F(Tiles, GiveBackWhatWasAdded) {
   const TileSection section = twoLayers();
