@@ -5,6 +5,7 @@ import { addressHere, linkOf, reloadAt, writeQuery } from './app/page_address';
 import { kIsPhone, kLimits, kResting, lensOf, optionsOf } from './app/asked';
 import { CardLoss } from './app/card_loss';
 import { Steering } from './app/steering';
+import { takeGlobe } from './app/globe_flight';
 import { takeAddressed, takeFiles } from './app/taken_files';
 import { Tools } from './app/tools';
 import { Picture, type Shot } from './draw/picture';
@@ -26,7 +27,7 @@ import { saveFile } from './ui/save_file';
 import { SceneTime } from './ui/scene_time';
 import { kLens, type Address, type Settings, type Tour } from './ui/settings';
 import type { Stage } from './ui/stage';
-import { sunDirection } from './ui/sun';
+import { sunDirection, sunOverGlobe } from './ui/sun';
 import { Tours } from './ui/tours';
 import { wordsOnMoving } from './ui/welcome_words';
 import { reasonOf } from './ui/words';
@@ -34,6 +35,8 @@ import { reasonOf } from './ui/words';
 function byId(id: string): HTMLElement {
   return document.getElementById(id)!;
 }
+const kSunStep_rad = 0.01;
+
 function notify(notice: Notice | null): void {
   showNotice(byId('notice'), notice);
 }
@@ -169,13 +172,19 @@ export class App {
     this.scene_time.setEpochs(scene.epochs);
     byId('scene-title').textContent = scene.title;
     document.title = `${scene.title} \u00b7 Foreland`;
-    if (is_first) this.steering.enter(scene, this.address.view);
+    if (is_first) this.enterFirst(scene);
     this.panel.setScene(scene);
     if (!is_first) return;
     this.hint.show(wordsOnMoving(kIsPhone));
     this.kept_address.begin(queryText(this.addressHere()));
     void takeAddressed(this.files, this.address.tracks, (title, reason) => this.refuseFile(title, reason));
     void this.tools.overlays.open(this.address.overlays);
+  }
+
+  private enterFirst(scene: Scene): void {
+    const { controls } = this.steering;
+    this.steering.enter(scene, this.address.view);
+    if (scene.frame === 'globe') takeGlobe(controls, this.terrain!, () => this.picture);
   }
 
   private showWaiting(seconds: number, reason: string): void {
@@ -289,7 +298,8 @@ export class App {
 
   private applyLook(): void {
     if (this.settings.colours !== this.shown_colours) this.showColours();
-    this.picture.setLook(this.settings, sunDirection(this.settings, this.scene));
+    const is_globe = this.scene?.frame === 'globe';
+    this.picture.setLook(this.settings, is_globe ? sunOverGlobe(this.settings, this.picture.up) : sunDirection(this.settings, this.scene));
     this.tools?.labels.setOn(this.settings.labels);
     this.map.setOn(this.settings.map);
   }
@@ -391,6 +401,7 @@ export class App {
     if (!this.scene) return; // there is no view yet, and the first one that is told is paid for
     const frozen = picture.frozen_view.pose;
     const position = steering.step(terrain!, now_ms, seconds, picture.up, frozen !== null);
+    if (this.scene.frame === 'globe') this.followSun();
     const own = steering.controls.pose(picture.up);
     this.prediction.frame(now_ms, (frozen ?? own).eye);
     const frame = picture.update(now_ms, own);
@@ -401,6 +412,12 @@ export class App {
     this.tools.labels.update(now_ms);
     this.measure(now_ms, frame, position);
     this.kept_address.keep(now_ms, () => queryText(this.addressHere()));
+  }
+
+  // Over a globe, where light comes from as seen from the camera: in steps, for shadows are made anew with each.
+  private followSun(): void {
+    const sun = sunOverGlobe(this.settings, this.picture.up);
+    if (Math.hypot(...sun.map((v, i) => v - this.picture.sunDirection[i]!)) > kSunStep_rad) this.applyLook();
   }
 
   private takeFrame(frame: Frame): void {

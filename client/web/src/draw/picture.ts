@@ -4,6 +4,7 @@ import { ForelandTerrain } from '@foreland/client/three';
 import * as THREE from 'three';
 import { kLens, type Settings } from '../ui/settings';
 import { askedLens, askedPose, shownPose } from './exaggeration';
+import { DeepCanvas } from './deep_canvas';
 import { FlightMarks } from './flight_marks';
 import { FrozenView } from './frozen_view';
 import { pageMaterials } from './materials';
@@ -12,6 +13,7 @@ import { NameTexts } from './name_texts';
 import { OverlayDrape } from './overlay_drape';
 import { OverlayMarks } from './overlay_marks';
 import { ShadeProbe } from './shade_probe';
+import { kTerrainVertex } from './shaders';
 import { SightLines } from './sight_lines';
 import { Sky } from './sky';
 import { ViewshedDrape } from './viewshed_drape';
@@ -49,6 +51,7 @@ export class Picture {
   private asked_lens = { key: '', lens: { tan_x: 1, tan_y: 1, finer: 1 } };
   private readonly told_size = { width: 1, height: 1 };
   private thickness = 0; // of the haze, where it is shown
+  private deep: DeepCanvas | null = null; // of a globe
   private last_shot: Shot | null = null;
   private largest_upload = 0; // as a share of its frame's limit, since the first picture
   frames = 0;
@@ -72,9 +75,13 @@ export class Picture {
     this.overlay_drape.dispose();
     this.overlay_marks.dispose();
     this.name_texts.clear();
+    this.deep?.dispose();
     this.renderer.dispose();
   }
 
+  get sunDirection(): Vector {
+    return this.sun.toArray();
+  }
   get aspect(): number {
     return this.camera.aspect;
   }
@@ -102,10 +109,12 @@ export class Picture {
   // ---- what is shown
 
   // Haze follows the scene's size and relief.
-  setScene({ bounds: { low, high }, heights }: Scene): void {
+  setScene({ frame, bounds: { low, high }, heights }: Scene): void {
     const across_m = Math.hypot(high[0] - low[0], high[1] - low[1]);
     this.haze.u_haze_height.value = 0.9 * Math.max(heights.highest - heights.lowest, 1e-3 * across_m, 1e-3);
-    this.thickness = 1.8 / across_m;
+    this.thickness = frame === 'globe' ? 0 : 1.8 / across_m;
+    this.sky.setFrame(frame);
+    if (frame === 'globe') this.deep ??= new DeepCanvas(this.renderer);
   }
   setLook(settings: Settings, sun: [number, number, number]): void {
     this.sun.set(...sun);
@@ -191,7 +200,9 @@ export class Picture {
     this.viewshed_drape.place(pivot);
     this.overlay_drape.place(pivot);
     this.name_texts.place(camera, this.canvas.clientHeight);
-    this.flight_marks.draw(this.renderer, this.scene, camera);
+    const draw = () => this.flight_marks.draw(this.renderer, this.scene, camera);
+    if (this.deep) this.deep.draw(draw);
+    else draw();
     ++this.frames;
   }
 
@@ -219,6 +230,21 @@ export class Picture {
     const { left, top, width, height } = this.canvas.getBoundingClientRect();
     const at = new THREE.Vector3((2 * (x - left)) / width - 1, 1 - (2 * (y - top)) / height, 0.5);
     return at.unproject(this.camera).sub(this.camera.position).normalize().toArray();
+  }
+
+  // The unit direction, in the camera's axes, of a point of the window.
+  pointerAt(x: number, y: number): THREE.Vector3 {
+    const { left, top, width, height } = this.canvas.getBoundingClientRect(), tall = Math.tan(kLens.fov_rad / 2);
+    return new THREE.Vector3(((2 * (x - left)) / width - 1) * tall * this.camera.aspect, (1 - (2 * (y - top)) / height) * tall, -1).normalize();
+  }
+  // Of a globe: the ground that is drawn at a point of the window; null beside it.
+  drawnAt(x: number, y: number): THREE.Vector3 | null {
+    const { deep, ground, camera, canvas } = this;
+    if (!deep || !ground || this.shownVersion === 0) return null;
+    const { left, top, width, height } = canvas.getBoundingClientRect();
+    const pixel = [((x - left) / width) * canvas.width, ((y - top) / height) * canvas.height].map(Math.floor) as [number, number];
+    const distance_m = deep.distanceAt(ground, camera, ...pixel, kTerrainVertex, ground.uniforms);
+    return distance_m === null ? null : this.pointerAt(x, y).applyQuaternion(camera.quaternion).multiplyScalar(distance_m).add(camera.position);
   }
 
   // Where a point of the scene is in the window, and how deep; null behind the eye.

@@ -15,7 +15,7 @@ export interface Earth {
 }
 
 export function earthOf(scene: Pick<Scene, 'frame'>): Earth {
-  return scene.frame === 'geographic' ? kEllipsoid : kMap;
+  return scene.frame === 'planar' ? kMap : kEllipsoid;
 }
 
 type Geographic = Extract<MapPoint, { lat: number }>;

@@ -9,5 +9,5 @@ export async function pickExactly(terrain: Terrain, picture: Picture, x: number,
   const way = picture.directionAt(x, y);
   const there = picture.eye.map((v, i) => v + far_m * way[i]!) as Vector;
   const ends = [terrain.place(picture.eye)!, terrain.place(there)!] as const;
-  return (await terrain.visible([ends], { refraction: frame === 'geographic' ? 0 : 1, sceneTime: scene_time_ms }))[0]!.hit;
+  return (await terrain.visible([ends], { refraction: frame === 'planar' ? 1 : 0, sceneTime: scene_time_ms }))[0]!.hit;
 }

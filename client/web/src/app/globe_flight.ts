@@ -1,0 +1,23 @@
+// Gives a camera to a globe: its pointers see what the picture draws, its heights and normals are the client core's.
+import type { Terrain } from '@foreland/client';
+import * as THREE from 'three';
+import type { Picture } from '../draw/picture';
+import type { Controls } from '../ui/controls';
+import { GlobeHands } from '../ui/globe_hands';
+import type { Body } from '../ui/globe_moves';
+
+export function bodyOf(terrain: Pick<Terrain, 'toGeodetic'>): Body {
+  return {
+    up: (point) => new THREE.Vector3().fromArray(terrain.toGeodetic(point.toArray()).up),
+    height: (point) => terrain.toGeodetic(point.toArray()).height,
+  };
+}
+
+export function takeGlobe(controls: Controls, terrain: Terrain, picture: () => Picture): void {
+  const body = bodyOf(terrain);
+  const seen = {
+    pointer: (x: number, y: number) => picture().pointerAt(x, y), ground: (x: number, y: number) => picture().drawnAt(x, y),
+    size: () => ({ width: window.innerWidth, height: window.innerHeight }),
+  };
+  controls.takeGlobe(new GlobeHands(controls, body, seen, terrain.scene.ellipsoid!.semiMajor), body);
+}
