@@ -5,7 +5,7 @@ import { addressHere, linkOf, reloadAt, writeQuery } from './app/page_address';
 import { kIsPhone, kLimits, kResting, lensOf, optionsOf } from './app/asked';
 import { CardLoss } from './app/card_loss';
 import { Steering } from './app/steering';
-import { takeGlobe } from './app/globe_flight';
+import { takeAir, takeGlobe } from './app/globe_flight';
 import { takeAddressed, takeFiles } from './app/taken_files';
 import { Tools } from './app/tools';
 import { Picture, type Shot } from './draw/picture';
@@ -166,7 +166,7 @@ export class App {
     const is_first = this.scene === null;
     notify(null);
     this.scene = scene;
-    this.picture.setScene(scene);
+    this.setPictureScene(scene);
     this.showColours();
     this.applyLook();
     this.scene_time.setEpochs(scene.epochs);
@@ -181,6 +181,10 @@ export class App {
     void this.tools.overlays.open(this.address.overlays);
   }
 
+  private setPictureScene(scene: Scene): void {
+    this.picture.setScene(scene);
+    if (scene.frame === 'globe') takeAir(this.terrain!, this.picture).catch((error: unknown) => console.warn(error));
+  }
   private enterFirst(scene: Scene): void {
     const { controls } = this.steering;
     this.steering.enter(scene, this.address.view);
@@ -254,8 +258,8 @@ export class App {
     this.picture = this.newPicture();
     this.picture.frames = before.frames;
     this.picture.up.copy(before.up);
-    if (this.scene) this.picture.setScene(this.scene);
     if (this.terrain) this.showTerrain(this.terrain);
+    if (this.scene) this.setPictureScene(this.scene);
     this.showColours();
     if (before.frozen_view.pose) this.freezeAt(before.frozen_view.pose);
     this.tools.show();

@@ -13,6 +13,12 @@ export function bodyOf(terrain: Pick<Terrain, 'toGeodetic'>): Body {
   };
 }
 
+// The air comes when it comes; without it the globe is drawn in space.
+export async function takeAir(terrain: Terrain, picture: Picture): Promise<void> {
+  const { Air, kGlobeFragment, kSpaceFragment } = await import('../draw/air');
+  picture.takeAir({ air: await Air.load(terrain.scene.ellipsoid!), ground: kGlobeFragment, sky: kSpaceFragment });
+}
+
 export function takeGlobe(controls: Controls, terrain: Terrain, picture: () => Picture): void {
   const body = bodyOf(terrain);
   const seen = {

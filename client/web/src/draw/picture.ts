@@ -4,6 +4,7 @@ import { ForelandTerrain } from '@foreland/client/three';
 import * as THREE from 'three';
 import { kLens, type Settings } from '../ui/settings';
 import { askedLens, askedPose, shownPose } from './exaggeration';
+import type { Air } from './air';
 import { DeepCanvas } from './deep_canvas';
 import { FlightMarks } from './flight_marks';
 import { FrozenView } from './frozen_view';
@@ -52,6 +53,8 @@ export class Picture {
   private readonly told_size = { width: 1, height: 1 };
   private thickness = 0; // of the haze, where it is shown
   private deep: DeepCanvas | null = null; // of a globe
+  private air: Air | null = null;
+  private has_air = true; // that is shown
   private last_shot: Shot | null = null;
   private largest_upload = 0; // as a share of its frame's limit, since the first picture
   frames = 0;
@@ -76,6 +79,7 @@ export class Picture {
     this.overlay_marks.dispose();
     this.name_texts.clear();
     this.deep?.dispose();
+    this.air?.dispose();
     this.renderer.dispose();
   }
 
@@ -116,9 +120,21 @@ export class Picture {
     this.sky.setFrame(frame);
     if (frame === 'globe') this.deep ??= new DeepCanvas(this.renderer);
   }
+  // Of a globe whose air is known.
+  takeAir({ air, ground, sky }: { air: Air; ground: string; sky: string }): void {
+    const material = this.ground?.groundMaterial as THREE.RawShaderMaterial;
+    this.air = air;
+    air.uniforms.u_air!.value = this.has_air ? 1 : 0;
+    material.fragmentShader = ground;
+    Object.assign(material.uniforms, air.uniforms);
+    material.needsUpdate = true;
+    this.sky.takeAir(sky, air.uniforms);
+  }
   setLook(settings: Settings, sun: [number, number, number]): void {
     this.sun.set(...sun);
     this.haze.u_haze.value = settings.fog ? this.thickness : 0;
+    this.has_air = settings.fog;
+    if (this.air) this.air.uniforms.u_air!.value = settings.fog ? 1 : 0;
     const { ground, contours, relief, imagery, wireframe, snow_line: snowLine, change, shadows: reliefShadows } = settings;
     this.ground?.setStyle({ ground, contours, relief, imagery, wireframe, snowLine, change, reliefShadows, sun });
   }
@@ -196,6 +212,7 @@ export class Picture {
     camera.updateProjectionMatrix();
     this.setMatrices();
     this.sky.update(camera);
+    this.air?.place(camera.position);
     const pivot = ground!.uniforms.u_pivot!.value as THREE.Vector2;
     this.viewshed_drape.place(pivot);
     this.overlay_drape.place(pivot);

@@ -25,7 +25,14 @@ export class Sky {
     this.object.renderOrder = -1;
   }
 
-  // Over a globe the sky is that of space, for now.
+  // Through the air of a globe, once there is some.
+  takeAir(fragment: string, uniforms: Record<string, THREE.IUniform>): void {
+    const material = this.object.material as THREE.RawShaderMaterial;
+    material.fragmentShader = fragment;
+    Object.assign(material.uniforms, uniforms);
+    material.needsUpdate = true;
+  }
+  // Over a globe it is black until then.
   setFrame(kind: FrameKind): void {
     this.frame.value = kind === 'globe' ? 2 : 0;
   }
