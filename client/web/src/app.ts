@@ -5,7 +5,7 @@ import { addressHere, linkOf, reloadAt, writeQuery } from './app/page_address';
 import { kIsPhone, kLimits, kResting, lensOf, optionsOf } from './app/asked';
 import { CardLoss } from './app/card_loss';
 import { Steering } from './app/steering';
-import { takeAir, takeGlobe } from './app/globe_flight';
+import { takeAir, takeGlobe, viewAt } from './app/globe_flight';
 import { takeAddressed, takeFiles } from './app/taken_files';
 import { Tools } from './app/tools';
 import { Picture, type Shot } from './draw/picture';
@@ -21,13 +21,15 @@ import { KeptAddress, queryText } from './ui/kept_address';
 import { showNotice, type Notice } from './ui/notice';
 import { MapInset } from './ui/map_inset';
 import { Panel } from './ui/panel';
+import { PlaceSearch } from './ui/place_search';
+import type { PlaceView } from './ui/place_text';
 import { PredictionCheck } from './ui/prediction_check';
 import { Readout } from './ui/readout';
 import { saveFile } from './ui/save_file';
 import { SceneTime } from './ui/scene_time';
 import { kLens, type Address, type Settings, type Tour } from './ui/settings';
 import type { Stage } from './ui/stage';
-import { sunDirection, sunOverGlobe } from './ui/sun';
+import { clockOf, sunDirection, sunOverGlobe } from './ui/sun';
 import { Tours } from './ui/tours';
 import { wordsOnMoving } from './ui/welcome_words';
 import { reasonOf } from './ui/words';
@@ -35,7 +37,8 @@ import { reasonOf } from './ui/words';
 function byId(id: string): HTMLElement {
   return document.getElementById(id)!;
 }
-const kSunStep_rad = 0.01;
+const kSunStep_rad = 0.01, kRadians = Math.PI / 180;
+const kGlobeSettings = { exaggeration: 1, map: false }; // what there is not on globes
 
 function notify(notice: Notice | null): void {
   showNotice(byId('notice'), notice);
@@ -59,6 +62,7 @@ export class App {
   private readonly compass = new Compass(byId('compass'), () => this.guard.run(() => this.turnNorth()));
   private readonly map = new MapInset(byId('map'), (x, y) => this.guard.run(() => this.goTo(x, y)));
   private readonly tools: Tools;
+  private readonly search: PlaceSearch;
   private readonly files: DroppedFiles;
   private readonly panel: Panel;
   private readonly settings: Settings;
@@ -86,6 +90,7 @@ export class App {
       stage: this.stage, controls, refuse: (title, reason) => this.refuseFile(title, reason), needs_token: address.token !== null, link: () => linkOf(this.addressHere()), guide: () => this.guard.run(() => this.ask()),
       beginFrames: () => this.guard.run(() => this.beginFrames()), endFrames: () => this.guard.run(() => this.endFrames()),
     });
+    this.search = new PlaceSearch(byId('tools'), (place) => this.guard.run(() => this.goToPlace(place)), (text) => this.hint.show(text));
     this.files = takeFiles({ tools: this.tools, refuse: (title, reason) => this.refuseFile(title, reason), addColours: (name, text) => this.guard.run(() => this.addColours(name, text)) });
     this.files.listen(file);
     this.files.listen(byId('overlay-file') as HTMLInputElement);
@@ -175,20 +180,31 @@ export class App {
     if (is_first) this.enterFirst(scene);
     this.panel.setScene(scene);
     if (!is_first) return;
-    this.hint.show(wordsOnMoving(kIsPhone));
+    this.hint.show(wordsOnMoving(kIsPhone, scene.frame === 'globe'));
     this.kept_address.begin(queryText(this.addressHere()));
     void takeAddressed(this.files, this.address.tracks, (title, reason) => this.refuseFile(title, reason));
     void this.tools.overlays.open(this.address.overlays);
   }
 
+  private goToPlace(place: PlaceView): void {
+    this.takeOver();
+    const [x, y, z, heading, pitch] = viewAt(this.terrain!, place)!;
+    this.steering.controls.jumpTo([x!, y!, z!], { heading: heading! * kRadians, pitch: pitch! * kRadians });
+    this.terrain!.jump();
+  }
   private setPictureScene(scene: Scene): void {
     this.picture.setScene(scene);
     if (scene.frame === 'globe') takeAir(this.terrain!, this.picture).catch((error: unknown) => console.warn(error));
   }
   private enterFirst(scene: Scene): void {
     const { controls } = this.steering;
-    this.steering.enter(scene, this.address.view);
-    if (scene.frame === 'globe') takeGlobe(controls, this.terrain!, () => this.picture);
+    this.steering.enter(scene, this.address.view ?? viewAt(this.terrain!, this.address.at));
+    if (scene.frame !== 'globe') return;
+    takeGlobe(controls, this.terrain!, () => this.picture);
+    this.search.setOn(true);
+    if (!this.address.tells_clock) Object.assign(this.settings, clockOf(new Date()));
+    Object.assign(this.settings, kGlobeSettings);
+    this.applyLook();
   }
 
   private showWaiting(seconds: number, reason: string): void {
@@ -297,7 +313,7 @@ export class App {
     if (file) saveFile(file, 'flight.rec');
   }
   private addressHere(): URLSearchParams {
-    return addressHere(this.scene, this.steering.controls, this.settings, this.tours.current !== null);
+    return addressHere(this.terrain, this.steering.controls, this.settings, this.tours.current !== null);
   }
 
   private applyLook(): void {

@@ -3,6 +3,7 @@ import type { Terrain } from '@foreland/client';
 import * as THREE from 'three';
 import type { Picture } from '../draw/picture';
 import type { Controls } from '../ui/controls';
+import type { PlaceView } from '../ui/place_text';
 import { GlobeHands } from '../ui/globe_hands';
 import type { Body } from '../ui/globe_moves';
 
@@ -17,6 +18,15 @@ export function bodyOf(terrain: Pick<Terrain, 'toGeodetic'>): Body {
 export async function takeAir(terrain: Terrain, picture: Picture): Promise<void> {
   const { Air, kGlobeFragment, kSpaceFragment } = await import('../draw/air');
   picture.takeAir({ air: await Air.load(terrain.scene.ellipsoid!), ground: kGlobeFragment, sky: kSpaceFragment });
+}
+
+const kAbove_m = 20e3; // where no height is told, straight down
+
+// x, y, z in metres, heading and pitch in degrees, as `view=` has them; null on maps.
+export function viewAt(terrain: Terrain, at: PlaceView | null): number[] | null {
+  if (!at || terrain.scene.frame === 'planar') return null;
+  const { lat, lon, height = kAbove_m, heading = 0, pitch = -90 } = at;
+  return [...terrain.toScene({ lat, lon, height }), heading, pitch];
 }
 
 export function takeGlobe(controls: Controls, terrain: Terrain, picture: () => Picture): void {

@@ -110,7 +110,7 @@ vec3 changeColour(float share) {
 
 // Under water, by its depth.
 vec3 seaColour(float depth_m) {
-  return mix(vec3(0.045, 0.17, 0.25), vec3(0.004, 0.022, 0.075), 1.0 - exp(-depth_m / 1800.0));
+  return mix(vec3(0.020, 0.075, 0.110), vec3(0.004, 0.017, 0.050), 1.0 - exp(-depth_m / 1800.0));
 }
 
 vec3 groundColour(vec3 normal, float height, float pixel_m) {

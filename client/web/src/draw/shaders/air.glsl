@@ -4,7 +4,8 @@ uniform vec3 u_air_eye;
 uniform vec3 u_air_scale;  // from metres
 uniform int u_air;         // 0: none
 
-const float kAirExposure = 5.2;  // of radiance, to the page's light
+const float kAirExposure = 2.9;   // of radiance, to the page's light
+const float kAirBrighter = 2.0;  // than the ground's colours are on maps, whose light no air dims
 
 vec3 airPoint(vec3 from_eye) {
   vec3 point = u_air_eye + from_eye * u_air_scale;
@@ -14,7 +15,7 @@ vec3 airPoint(vec3 from_eye) {
 // `sunshine`: the share of the sun that is seen.
 vec3 litByAir(vec3 albedo, vec3 normal, vec3 point, float sunshine) {
   vec3 skylight, sunlight = GetSunAndSkyIrradiance(point, normal, u_sun, skylight);
-  return albedo * ((sunshine * sunlight + skylight) / PI + 0.0015);
+  return kAirBrighter * albedo * ((sunshine * sunlight + skylight) / PI + 0.0015);
 }
 
 vec3 throughAir(vec3 colour, vec3 point) {
