@@ -1,6 +1,6 @@
 // The page's parts and what flows between them, frame by frame: camera -> terrain -> picture -> readout. The terrain (@foreland/client) has
 // the session, the picture what is drawn; app/ has the parts that need more than a few lines.
-import { Terrain, type Frame, type Place, type Scene } from '@foreland/client';
+import { Terrain, type Frame, type Place, type Scene, type Vector } from '@foreland/client';
 import { addressHere, linkOf, reloadAt, writeQuery } from './app/page_address';
 import { kIsPhone, kLimits, kResting, lensOf, optionsOf } from './app/asked';
 import { CardLoss } from './app/card_loss';
@@ -119,6 +119,7 @@ export class App {
       frozen: this.picture.frozen_view.pose !== null,
       eye: controls.eye.toArray(),
       heading: controls.look.heading,
+      pitch: controls.look.pitch,
       above_ground_m,
       title: this.scene?.title ?? null,
       scene_time_ms: this.scene_time_ms,
@@ -128,6 +129,13 @@ export class App {
     };
   }
 
+  // For tests: what a picture of a globe shows at a point of the window, and where it shows a point of the scene.
+  groundAt(x: number, y: number): number[] | null {
+    return this.picture.drawnAt(x, y)?.toArray() ?? null;
+  }
+  onScreen(point: Vector): Vector | null {
+    return this.picture.pointOnScreen(point);
+  }
   // For tests: Picture.compareEnds() and Picture.shadeAt().
   compareEnds(): ReturnType<Picture['compareEnds']> {
     return this.picture.compareEnds();

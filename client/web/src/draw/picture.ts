@@ -100,6 +100,8 @@ export class Picture {
     const drawn = this.ground?.drawn;
     return {
       frames: this.frames,
+      depth_reversed: this.deep?.isReversed ?? false,
+      air: this.air !== null && this.has_air,
       mesh_version: drawn?.version ?? 0,
       triangles: drawn?.triangles ?? 0,
       object_triangles: drawn?.objectTriangles ?? 0,
@@ -259,7 +261,7 @@ export class Picture {
     const { deep, ground, camera, canvas } = this;
     if (!deep || !ground || this.shownVersion === 0) return null;
     const { left, top, width, height } = canvas.getBoundingClientRect();
-    const pixel = [((x - left) / width) * canvas.width, ((y - top) / height) * canvas.height].map(Math.floor) as [number, number];
+    const pixel = [((x - left) / width) * canvas.width - 0.5, ((y - top) / height) * canvas.height - 0.5] as const;
     const distance_m = deep.distanceAt(ground, camera, ...pixel, kTerrainVertex, ground.uniforms);
     return distance_m === null ? null : this.pointerAt(x, y).applyQuaternion(camera.quaternion).multiplyScalar(distance_m).add(camera.position);
   }
