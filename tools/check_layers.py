@@ -148,7 +148,8 @@ SCRIPT_SEES = {
     "client/js/src/maplibre": ["client/js/src/core", "client/js/src", "client/js/src/three", "three", "maplibre-gl"],
     "client/js/src": ["client/js/src/core", "node", "foreland"],
     # The page uses the package by its name, as anyone does.
-    "client/web/src": ["client/web/src/follow", "client/web/src/measure", "client/web/src/overlay", "client/web/src/record", "@foreland/client", "dejavu-fonts-ttf", "three", "troika-three-text"],
+    "client/web/src": ["client/web/src/follow", "client/web/src/globe", "client/web/src/measure", "client/web/src/overlay", "client/web/src/record", "@foreland/client", "@takram/three-atmosphere", "dejavu-fonts-ttf", "three", "troika-three-text", "virtual"],
+    "client/web/src/globe": ["geographiclib-dms", "suncalc"],  # places as text, and the sun
     "client/web/src/measure": ["@foreland/client", "geographiclib-geodesic"],
     "client/web/src/overlay": ["@foreland/client", "@tmcw/togeojson", "@xmldom/xmldom", "fflate", "proj4"],
     "client/web/src/follow": ["client/web/src/measure", "@foreland/client", "three"],  # flights and the cameras that follow them

@@ -5,7 +5,7 @@ import { createRequire } from 'node:module';
 import { dirname, join } from 'node:path';
 import { DataUtils } from 'three';
 
-// Texels along each axis, as the package has them (its constants.ts) and as the page does; a row has `nu` blocks of `mu_s`.
+// Texels along each axis, as the package has them and as the page does; a row has `nu` blocks of `mu_s`.
 const kWhole = { nu: 8, mu_s: 32, mu: 128, r: 32 };
 export const kAirSizes = { nu: 8, mu_s: 16, mu: 64, r: 16 };
 

@@ -126,6 +126,21 @@ test('what there is not on globes has no switch', kTest, () =>
     assert.equal(await page.locator('#map').isVisible(), false);
   }));
 
+test('lengths are measured along the ellipsoid, and the scale is that of the ground', kTest, () =>
+  visit('fog=0&at=46,10,1500000', async (page) => {
+    await bare(page);
+    const clicks = [[120, 120], [360, 240]], [a, b] = [await groundAt(page, ...clicks[0]), await groundAt(page, ...clicks[1])];
+    await page.locator('#scene').focus();
+    await page.keyboard.press('m');
+    for (const [x, y] of clicks) await page.mouse.click(x, y);
+    const { measured_m } = await until(page, (s) => s.measured_m !== null);
+    const chord = apart(a, b), arc = 2 * kRadius * Math.asin(chord / 2 / kRadius);
+    assert.ok(Math.abs(measured_m / arc - 1) < 0.01, `${measured_m} m, ${arc} m along a ball`);
+    const [bar_px, text] = await page.evaluate(() => [document.querySelector('.scale').style.width, document.querySelector('.scale').textContent]);
+    const px_m = (1.5e6 * 2 * kTan) / kSize.height, told_m = Number.parseFloat(text) * (text.includes('km') ? 1000 : 1);
+    assert.ok(Math.abs((Number.parseFloat(bar_px) * px_m) / told_m - 1) < 0.02, `${bar_px} are ${text}`);
+  }));
+
 test('depths keep what is near before what is far', kTest, () =>
   visit('fog=0&at=46,10,2600,0,0', async (page) => {
     assert.equal((await status(page)).depth_reversed, true);

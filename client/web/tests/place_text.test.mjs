@@ -4,10 +4,10 @@ import { after, before, test } from 'node:test';
 import * as THREE from 'three';
 import { openSources } from './support.mjs';
 
-let sources, text, sun;
+let sources, text, position, sun;
 before(async () => {
   sources = await openSources();
-  [text, sun] = await Promise.all([sources.load('ui/place_text.ts'), sources.load('ui/sun.ts')]);
+  [text, position, sun] = await Promise.all([sources.load('globe/place_text.ts'), sources.load('globe/sun_position.ts'), sources.load('ui/sun.ts')]);
 });
 after(() => sources.close());
 
@@ -31,7 +31,7 @@ test('places are read as people write them', () => {
 });
 
 test('the sun stands where an almanac has it', () => {
-  const deg = Math.PI / 180, at = (date) => sun.sunOverEarth(...Object.values(sun.clockOf(new Date(date))), new Date(date).getUTCFullYear());
+  const deg = Math.PI / 180, at = (date) => position.sunOverEarth(...Object.values(position.clockOf(new Date(date))), new Date(date).getUTCFullYear());
   // At the equinox and the solstices of 2024: hour angle at Greenwich, of mean time and the equation of time, and declination; degrees.
   for (const [date, hour_angle, declination] of [['2024-03-20T03:06Z', 224.63, 0], ['2024-06-20T20:51Z', 132.3, 23.44], ['2024-12-21T09:21Z', 320.7, -23.44]]) {
     const wanted = new THREE.Vector3(Math.cos(declination * deg) * Math.cos(-hour_angle * deg), Math.cos(declination * deg) * Math.sin(-hour_angle * deg), Math.sin(declination * deg));

@@ -3,7 +3,7 @@ import type { Terrain } from '@foreland/client';
 import * as THREE from 'three';
 import type { Picture } from '../draw/picture';
 import type { Controls } from '../ui/controls';
-import type { PlaceView } from '../ui/place_text';
+import type { PlaceView } from '../globe/place_text';
 import { GlobeHands } from '../ui/globe_hands';
 import type { Body } from '../ui/globe_moves';
 

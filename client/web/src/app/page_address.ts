@@ -2,7 +2,7 @@
 import type { Terrain } from '@foreland/client';
 import type { Controls } from '../ui/controls';
 import { queryText, viewText } from '../ui/kept_address';
-import { atText } from '../ui/place_text';
+import { atText } from '../globe/place_text';
 import { writeSettings, type Settings } from '../ui/settings';
 
 export function addressHere(terrain: Terrain | null, { eye, look }: Controls, settings: Settings, is_touring: boolean): URLSearchParams {

@@ -279,7 +279,8 @@ export class Picture {
   // Metres across a pixel of the window, on a plane towards the ground that is held in the middle of the view; null where there is none.
   pixelAtGround_m(): number | null {
     const { left, top, width, height } = this.canvas.getBoundingClientRect();
-    const point = this.ground?.terrain.raycast(this.eye, this.directionAt(left + width / 2, top + height / 2));
+    const [x, y] = [left + width / 2, top + height / 2] as const;
+    const point = this.deep ? this.drawnAt(x, y)?.toArray() : this.ground?.terrain.raycast(this.eye, this.directionAt(x, y));
     if (!point) return null;
     return (2 * Math.tan(kLens.fov_rad / 2) * (this.pointOnScreen(point)?.[2] ?? 0)) / height || null;
   }

@@ -1,6 +1,6 @@
 // A field for a place on a globe, by its coordinates: Enter goes there.
 import { said } from './language';
-import { placeOf, type PlaceView } from './place_text';
+import { placeOf, type PlaceView } from '../globe/place_text';
 import { reasonOf } from './words';
 
 export class PlaceSearch {

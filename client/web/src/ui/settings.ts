@@ -2,7 +2,7 @@
 import { kBlends, kPredictors, kStrategies, type Blend, type Predictor, type Strategy } from '@foreland/client';
 import { kGrounds, type Ground } from '@foreland/client/three';
 import { kExaggerations } from '../draw/exaggeration';
-import { readAt, type PlaceView } from './place_text';
+import { readAt, type PlaceView } from '../globe/place_text';
 import { kSunModes, type SunSettings } from './sun';
 
 export const kTours = ['survey', 'canyon', 'spin', 'orbit'] as const;

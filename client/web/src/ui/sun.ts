@@ -1,8 +1,8 @@
 // Where the sun is: as maps are lit by custom, by the time of day and the date where a scene is on the earth, or as chosen. Over a globe: as
 // maps would be lit where the camera is, by date and hour (UTC), or as chosen where the camera is.
 import type { Scene } from '@foreland/client';
-import { getPosition } from 'suncalc';
 import * as THREE from 'three';
+import { sunOverEarth } from '../globe/sun_position';
 import { basisAt, kAxis } from './camera';
 
 export const kSunModes = ['map', 'clock', 'free'] as const;
@@ -45,25 +45,12 @@ export function sunByClock(day: number, hour: number, origin_latitude: number): 
   return [y, c * z - s * x, s * z + c * x];
 }
 
-// In the earth's axes. The library tells where the sun is seen, lifted by the air: where it stands high, that is nothing.
-export function sunOverEarth(day: number, hour: number, year = new Date().getUTCFullYear()): Direction {
-  const longitude = 15 * (12 - hour), { azimuth, altitude } = getPosition(new Date(Date.UTC(year, 0, day) + 3600e3 * hour), 0, longitude);
-  const [east, north, up] = towards(azimuth, altitude), [s, c] = [Math.sin(longitude * kRadians), Math.cos(longitude * kRadians)];
-  return [c * up - s * east, s * up + c * east, north];
-}
-
 // Of a camera over a globe, with the ellipsoid's normal.
 export function sunOverGlobe(settings: SunSettings, up: THREE.Vector3): Direction {
   if (settings.sun === 'clock') return sunOverEarth(settings.sun_day, settings.sun_hour);
   const local = settings.sun === 'free' ? towards(settings.sun_azimuth_deg, settings.sun_height_deg) : kMap;
   const axes = basisAt(up, kAxis);
   return new THREE.Vector3().addScaledVector(axes[0], local[0]).addScaledVector(axes[1], local[1]).addScaledVector(axes[2], local[2]).toArray();
-}
-
-// Day of the year and hour of a time, UTC.
-export function clockOf(now: Date): { sun_day: number; sun_hour: number } {
-  const day_ms = 86400e3, since_ms = now.getTime() - Date.UTC(now.getUTCFullYear(), 0, 1);
-  return { sun_day: 1 + Math.floor(since_ms / day_ms), sun_hour: Math.round((since_ms % day_ms) / 36e3) / 100 };
 }
 
 export function sunDirection(settings: SunSettings, scene: Scene | null): Direction {

@@ -1,6 +1,5 @@
 // Views of the earth as text, for the page's address and for a search: latitude, longitude, height above the zero surface, heading and pitch.
 import DMS from 'geographiclib-dms';
-import type { Look } from './camera';
 
 export interface PlaceView {
   lat: number; // degrees
@@ -19,7 +18,7 @@ export function readAt(text: string | null): PlaceView | null {
 }
 
 // To a centimetre, and finer than what is seen of a millionth of a radian.
-export function atText({ lat, lon, height }: { lat: number; lon: number; height: number }, { heading, pitch }: Look): string {
+export function atText({ lat, lon, height }: { lat: number; lon: number; height: number }, { heading, pitch }: { heading: number; pitch: number }): string {
   const degrees = (radians: number) => (radians * 180) / Math.PI, turns = Math.round(heading / (2 * Math.PI));
   const numbers = [lat.toFixed(7), lon.toFixed(7), height.toFixed(2), degrees(heading - 2 * Math.PI * turns).toFixed(4), degrees(pitch).toFixed(4)];
   return numbers.map((number) => number.replace(/\.?0+$/, '').replace(/^-0$/, '0')).join(',');
