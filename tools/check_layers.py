@@ -218,7 +218,7 @@ def judge_import(path, room, target):
         at = os.path.normpath(os.path.join(os.path.dirname(path), target))
         target_room = script_room_of(at) or os.path.dirname(at)
     else:
-        target_room = next((name for name in ("@foreland/client", "three", "maplibre-gl", "ws", "geographiclib-geodesic", "@tmcw/togeojson", "@xmldom/xmldom", "fflate", "proj4") if (target + "/").startswith(name + "/")), target.split(":")[0])
+        target_room = next((name for name in ("@foreland/client", "@takram/three-atmosphere", "three", "maplibre-gl", "ws", "geographiclib-geodesic", "@tmcw/togeojson", "@xmldom/xmldom", "fflate", "proj4") if (target + "/").startswith(name + "/")), target.split(":")[0])
     if target_room == room or target_room in SCRIPT_SEES[room]:
         return None
     return f"{room} must not import {target_room} ({target}); it sees: {', '.join(SCRIPT_SEES[room]) or 'only itself'}"
