@@ -16,6 +16,7 @@ test('what the address says of a view is read again', () => {
     const read = text.readAt(text.atText({ lat, lon, height }, { heading: (heading * Math.PI) / 180, pitch: (pitch * Math.PI) / 180 }));
     assert.deepEqual(Object.values(read).map((v) => v.toFixed(4)), [lat, lon, height, heading, pitch].map((v) => v.toFixed(4)));
   }
+  assert.equal(text.atText({ lat: 1, lon: 2, height: 3 }, { heading: 6 * Math.PI + 1, pitch: 0 }), '1,2,3,57.2958,0');
   assert.deepEqual(text.readAt('46.5,8'), { lat: 46.5, lon: 8 });
   for (const wrong of [null, '', '46', '46,', 'a,b', '91,0', '0,0,0,0,91', '1,2,3,4,5,6', '1,,3']) assert.equal(text.readAt(wrong), null, wrong);
 });
