@@ -16,6 +16,10 @@ constexpr double kDegreesPerRadian = 57.29577951308232;
 SceneBox boxOf(const proto::Welcome& welcome, const proto::FrameTransform& transform) {
   constexpr int kCells = 8;
   const double quantum_m = welcome.frame.height_quantum_m;
+  if (welcome.shape.is_cube) {
+    const glm::dvec3 half(glm::dvec2(welcome.frame.semi_major_m), welcome.frame.semiMinor());
+    return {-half - welcome.highest * quantum_m, half + welcome.highest * quantum_m};
+  }
   SceneBox box{glm::dvec3(std::numeric_limits<double>::infinity()),
                glm::dvec3(-std::numeric_limits<double>::infinity())};
   for (int k = 0; k <= kCells; ++k)
@@ -30,6 +34,7 @@ SceneBox boxOf(const proto::Welcome& welcome, const proto::FrameTransform& trans
 
 std::vector<glm::dvec3> landmarksOf(const proto::Welcome& welcome, const proto::FrameTransform& transform) {
   const auto& shape = welcome.shape;
+  if (shape.is_cube) return {};
   const double size = static_cast<double>(1u << shape.root_log2), step = welcome.frame.height_quantum_m;
   std::vector<glm::dvec3> out;
   const auto add = [&](double x, double y, int32_t height) {
@@ -48,7 +53,7 @@ std::vector<glm::dvec3> landmarksOf(const proto::Welcome& welcome, const proto::
 MapPosition mapPositionOf(const proto::FrameTransform& transform, const glm::dvec3& point) {
   const proto::LatticePosition lattice = transform.toLattice(point);
   MapPosition out{.height_m = lattice.height_m, .lattice = {lattice.x, lattice.y}, .up = transform.upAt(point)};
-  if (transform.frame().kind == proto::FrameKind::kGeographic) {
+  if (transform.frame().isOnEllipsoid()) {
     const proto::Geodetic geodetic = transform.toGeodetic(point);
     out.across = glm::dvec2(geodetic.latitude_rad, geodetic.longitude_rad) * kDegreesPerRadian;
   } else {

@@ -16,17 +16,17 @@ struct SceneBox {
   glm::dvec3 low, high;  // scene frame, metres
 };
 
-// Box around the data, from a net of lattice positions at both extreme heights.
+// Box around the data, of a globe around the body; else from a net of lattice positions at both extreme heights.
 SceneBox boxOf(const proto::Welcome& welcome, const proto::FrameTransform& transform);
 
 // Corners and centres of the root squares that lie inside the data, in the scene frame: the only relief known before
-// the first keyframe.
+// the first keyframe. None of a globe.
 std::vector<glm::dvec3> landmarksOf(const proto::Welcome& welcome, const proto::FrameTransform& transform);
 
 // A point of the scene in the coordinates of the data's owner.
 struct MapPosition {
   double height_m = 0;     // above the zero surface
-  glm::dvec2 across{0};    // geographic: latitude and longitude, degrees; planar: northing and easting, metres
+  glm::dvec2 across{0};    // on an ellipsoid: latitude and longitude, degrees; planar: northing and easting, metres
   glm::dvec2 lattice{0};   // position on the lattice of the data's samples
   glm::dvec3 up{0, 0, 1};  // away from the zero surface
 };

@@ -148,7 +148,8 @@ SCRIPT_SEES = {
     "client/js/src/maplibre": ["client/js/src/core", "client/js/src", "client/js/src/three", "three", "maplibre-gl"],
     "client/js/src": ["client/js/src/core", "node", "foreland"],
     # The page uses the package by its name, as anyone does.
-    "client/web/src": ["client/web/src/follow", "client/web/src/measure", "client/web/src/overlay", "client/web/src/record", "@foreland/client", "dejavu-fonts-ttf", "three", "troika-three-text"],
+    "client/web/src": ["client/web/src/follow", "client/web/src/globe", "client/web/src/measure", "client/web/src/overlay", "client/web/src/record", "@foreland/client", "@takram/three-atmosphere", "dejavu-fonts-ttf", "three", "troika-three-text", "virtual"],
+    "client/web/src/globe": ["geographiclib-dms", "suncalc"],  # places as text, and the sun
     "client/web/src/measure": ["@foreland/client", "geographiclib-geodesic"],
     "client/web/src/overlay": ["@foreland/client", "@tmcw/togeojson", "@xmldom/xmldom", "fflate", "proj4"],
     "client/web/src/follow": ["client/web/src/measure", "@foreland/client", "three"],  # flights and the cameras that follow them
@@ -217,7 +218,7 @@ def judge_import(path, room, target):
         at = os.path.normpath(os.path.join(os.path.dirname(path), target))
         target_room = script_room_of(at) or os.path.dirname(at)
     else:
-        target_room = next((name for name in ("@foreland/client", "three", "maplibre-gl", "ws", "geographiclib-geodesic", "@tmcw/togeojson", "@xmldom/xmldom", "fflate", "proj4") if (target + "/").startswith(name + "/")), target.split(":")[0])
+        target_room = next((name for name in ("@foreland/client", "@takram/three-atmosphere", "three", "maplibre-gl", "ws", "geographiclib-geodesic", "@tmcw/togeojson", "@xmldom/xmldom", "fflate", "proj4") if (target + "/").startswith(name + "/")), target.split(":")[0])
     if target_room == room or target_room in SCRIPT_SEES[room]:
         return None
     return f"{room} must not import {target_room} ({target}); it sees: {', '.join(SCRIPT_SEES[room]) or 'only itself'}"

@@ -24,7 +24,7 @@ ROOT = Path(__file__).resolve().parent.parent
 
 # Libraries of headers. Those of Boost, LLVM and fmt ask for no text beside compiled code.
 DEBIAN = ["libcli11-dev", "libflatbuffers-dev", "libglm-dev", "libspdlog-dev", "libtomlplusplus-dev", "nlohmann-json3-dev"]
-PAGE = ["three", "geographiclib-geodesic", "@tmcw/togeojson", "@xmldom/xmldom", "fflate", "mediabunny", "proj4", "wkt-parser", "mgrs",
+PAGE = ["three", "@takram/three-atmosphere", "geographiclib-dms", "geographiclib-geodesic", "suncalc", "@tmcw/togeojson", "@xmldom/xmldom", "fflate", "mediabunny", "proj4", "wkt-parser", "mgrs",
         "troika-three-text", "troika-three-utils", "troika-worker-utils", "webgl-sdf-generator", "bidi-js", "dejavu-fonts-ttf"]
 CONTENTS = {
     "foreland": {"debian": [*DEBIAN, "wasi-libc"], "npm": [f"client/web/node_modules/{name}" for name in PAGE]},

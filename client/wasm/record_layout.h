@@ -113,19 +113,19 @@ inline constexpr RecordField kChangesFields[] = {
     FORELAND_FIELD(ChangesRecord, bend_ranges),
 };
 inline constexpr RecordField kWelcomeFields[] = {
-    FORELAND_FIELD(WelcomeRecord, low),           FORELAND_FIELD(WelcomeRecord, high),
-    FORELAND_FIELD(WelcomeRecord, lowest_m),      FORELAND_FIELD(WelcomeRecord, highest_m),
-    FORELAND_FIELD(WelcomeRecord, tau_px),        FORELAND_FIELD(WelcomeRecord, keyframe_ms),
-    FORELAND_FIELD(WelcomeRecord, max_moved_m),   FORELAND_FIELD(WelcomeRecord, undulation_error_m),
-    FORELAND_FIELD(WelcomeRecord, title),         FORELAND_FIELD(WelcomeRecord, title_size),
-    FORELAND_FIELD(WelcomeRecord, crs),           FORELAND_FIELD(WelcomeRecord, crs_size),
-    FORELAND_FIELD(WelcomeRecord, is_geographic), FORELAND_FIELD(WelcomeRecord, samples_x),
-    FORELAND_FIELD(WelcomeRecord, samples_y),     FORELAND_FIELD(WelcomeRecord, landmark_count),
-    FORELAND_FIELD(WelcomeRecord, landmarks),     FORELAND_FIELD(WelcomeRecord, epoch_count),
-    FORELAND_FIELD(WelcomeRecord, epochs),        FORELAND_FIELD(WelcomeRecord, model_count),
-    FORELAND_FIELD(WelcomeRecord, model_sides),   FORELAND_FIELD(WelcomeRecord, scene_id),
-    FORELAND_FIELD(WelcomeRecord, zero_surface),  FORELAND_FIELD(WelcomeRecord, datum),
-    FORELAND_FIELD(WelcomeRecord, datum_size),    FORELAND_FIELD(WelcomeRecord, geoid),
+    FORELAND_FIELD(WelcomeRecord, low),          FORELAND_FIELD(WelcomeRecord, high),
+    FORELAND_FIELD(WelcomeRecord, lowest_m),     FORELAND_FIELD(WelcomeRecord, highest_m),
+    FORELAND_FIELD(WelcomeRecord, tau_px),       FORELAND_FIELD(WelcomeRecord, keyframe_ms),
+    FORELAND_FIELD(WelcomeRecord, max_moved_m),  FORELAND_FIELD(WelcomeRecord, undulation_error_m),
+    FORELAND_FIELD(WelcomeRecord, title),        FORELAND_FIELD(WelcomeRecord, title_size),
+    FORELAND_FIELD(WelcomeRecord, crs),          FORELAND_FIELD(WelcomeRecord, crs_size),
+    FORELAND_FIELD(WelcomeRecord, frame_kind),   FORELAND_FIELD(WelcomeRecord, samples_x),
+    FORELAND_FIELD(WelcomeRecord, samples_y),    FORELAND_FIELD(WelcomeRecord, landmark_count),
+    FORELAND_FIELD(WelcomeRecord, landmarks),    FORELAND_FIELD(WelcomeRecord, epoch_count),
+    FORELAND_FIELD(WelcomeRecord, epochs),       FORELAND_FIELD(WelcomeRecord, model_count),
+    FORELAND_FIELD(WelcomeRecord, model_sides),  FORELAND_FIELD(WelcomeRecord, scene_id),
+    FORELAND_FIELD(WelcomeRecord, zero_surface), FORELAND_FIELD(WelcomeRecord, datum),
+    FORELAND_FIELD(WelcomeRecord, datum_size),   FORELAND_FIELD(WelcomeRecord, geoid),
     FORELAND_FIELD(WelcomeRecord, geoid_size),
 };
 inline constexpr RecordField kPlaceFields[] = {
@@ -162,7 +162,7 @@ inline constexpr RecordField kSlopeFrameFields[] = {
     FORELAND_FIELD(SlopeFrameRecord, origin_latitude),
     FORELAND_FIELD(SlopeFrameRecord, semi_major_m),
     FORELAND_FIELD(SlopeFrameRecord, eccentricity_squared),
-    FORELAND_FIELD(SlopeFrameRecord, is_geographic),
+    FORELAND_FIELD(SlopeFrameRecord, frame_kind),
     FORELAND_FIELD(SlopeFrameRecord, unused),
 };
 inline constexpr RecordField kStatisticsFields[] = {

@@ -103,7 +103,7 @@ struct WelcomeRecord {
   uint32_t title_size;
   Address crs;
   uint32_t crs_size;
-  uint32_t is_geographic;
+  uint32_t frame_kind;  // proto::FrameKind
   uint32_t samples_x;
   uint32_t samples_y;
   uint32_t landmark_count;  // base vertices inside the data
@@ -171,7 +171,8 @@ struct SlopeFrameRecord {
   // Planar: what a rise of a metre a sample interval along x, and along y, adds to the gradient.
   double gradient_x[2];
   double gradient_y[2];
-  // Geographic, radians and metres: of lattice (0, 0), longitudes from the scene origin's meridian.
+  // Geographic, radians and metres: of lattice (0, 0), longitudes from the scene origin's meridian. Globe: the
+  // ellipsoid alone.
   double latitude;
   double longitude;
   double latitude_step;  // per sample interval
@@ -179,8 +180,8 @@ struct SlopeFrameRecord {
   double origin_latitude;
   double semi_major_m;
   double eccentricity_squared;
-  uint32_t is_geographic;
-  uint32_t unused;  // keeps the size a multiple of 8
+  uint32_t frame_kind;  // proto::FrameKind
+  uint32_t unused;      // keeps the size a multiple of 8
 };
 
 struct StatisticsRecord {

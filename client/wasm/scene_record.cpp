@@ -17,7 +17,7 @@ const WelcomeRecord* SceneRecord::fill(const proto::Welcome& from, const proto::
   out.title_size = static_cast<uint32_t>(from.title.size());
   out.crs = addressOf(from.crs.data());
   out.crs_size = static_cast<uint32_t>(from.crs.size());
-  out.is_geographic = from.frame.kind == proto::FrameKind::kGeographic ? 1 : 0;
+  out.frame_kind = static_cast<uint32_t>(from.frame.kind);
   out.samples_x = from.shape.samples_x;
   out.samples_y = from.shape.samples_y;
   const SceneBox box = boxOf(from, transform);
@@ -59,7 +59,7 @@ MapPositionRecord mapPositionRecordOf(const ScreenPlace& place) {
 
 SlopeFrameRecord slopeFrameOf(const proto::Frame& frame) {
   SlopeFrameRecord out{};
-  out.is_geographic = frame.kind == proto::FrameKind::kGeographic ? 1 : 0;
+  out.frame_kind = static_cast<uint32_t>(frame.kind);
   const glm::dvec2 &x = frame.axis_x_m, &y = frame.axis_y_m;
   const double area = x.x * y.y - x.y * y.x;
   out.gradient_x[0] = y.y / area, out.gradient_x[1] = -y.x / area;

@@ -12,11 +12,11 @@ export class Places {
   // Null if the client core does not know the scene yet.
   at(point: readonly number[]): Place | null {
     const at = this.screen.mapPosition(point);
-    return at && placeOf(at, this.welcome.is_geographic, this.welcome.zero_surface);
+    return at && placeOf(at, this.welcome.frame, this.welcome.zero_surface);
   }
   toScene(place: MapPoint): Vector | null {
-    const is_geographic = this.scene.frame === 'geographic';
-    if ('lon' in place !== is_geographic) throw new ForelandError('argument', is_geographic ? 'The scene is geographic: name places by lon and lat.'
+    const is_geographic = this.scene.frame !== 'planar';
+    if ('lon' in place !== is_geographic) throw new ForelandError('argument', is_geographic ? 'The scene is on the earth: name places by lon and lat.'
       : `The scene is on a map (${this.scene.crs}): name places by easting and northing.`);
     const across = 'lon' in place ? [place.lat, place.lon] as const : [place.northing, place.easting] as const;
     return this.screen.scenePoint(across, place.height ?? 0);

@@ -1,6 +1,6 @@
 // A scene as its user sees it: plain, frozen values made of the server's welcome.
 import type { Screen } from './core/screen.js';
-import type { Layer, MapPosition, Welcome, ZeroSurface } from './core/values.js';
+import type { FrameKind, Layer, MapPosition, Welcome, ZeroSurface } from './core/values.js';
 
 export type Vector = [number, number, number];
 
@@ -29,15 +29,26 @@ export type Place = MapPoint & BothHeights & {
   lattice: [number, number];
 };
 
+/** Of a body: metres, and by how much the axis is shorter, as a share. */
+export interface Ellipsoid {
+  semiMajor: number;
+  flattening: number;
+}
+
 export interface Scene {
   /** Names the scene: another build has another one. */
   readonly id: string;
   readonly title: string;
   readonly crs: string;
-  /** `geographic`: the scene's axes are east, north and up at its origin; `planar`: the map's, metres. */
-  readonly frame: 'geographic' | 'planar';
+  /**
+   * `planar`: the scene's axes are the map's, metres; `geographic`: east, north and up at its origin; `globe`: those of the body as a whole
+   * (ECEF), from its middle.
+   */
+  readonly frame: FrameKind;
   /** From the scene's axes to the earth's (ECEF), 16 numbers by columns; null of a planar scene. */
   readonly toEcef: readonly number[] | null;
+  /** That latitude, longitude and height are of; null of a planar scene. */
+  readonly ellipsoid: Readonly<Ellipsoid> | null;
   /** Box about the data, in the scene's axes, metres. */
   readonly bounds: { readonly low: Readonly<Vector>; readonly high: Readonly<Vector> };
   /** Lowest and highest ground, metres above the zero surface. */
@@ -55,7 +66,7 @@ export interface Scene {
   readonly maxMoved: number;
   readonly layers: { readonly relief: boolean; readonly imagery: boolean };
   readonly attributions: readonly string[];
-  /** High and low points of the data that are known at once, in the scene's axes. */
+  /** High and low points of the data that are known at once, in the scene's axes; of a globe none. */
   readonly landmarks: readonly Readonly<Vector>[];
   /** Whether each model of the scene's objects has an image. */
   readonly modelImages: readonly boolean[];
@@ -68,8 +79,9 @@ export function sceneOf(welcome: Welcome, screen: Screen): Scene {
     id: welcome.scene_id.toString(16).padStart(16, '0'),
     title: welcome.title,
     crs: welcome.crs,
-    frame: welcome.is_geographic ? 'geographic' : 'planar',
-    toEcef: ecefOf(screen),
+    frame: welcome.frame,
+    toEcef: ecefOf(welcome.frame, screen),
+    ellipsoid: ellipsoidOf(welcome.frame, screen),
     bounds: { low: welcome.low, high: welcome.high },
     heights: { lowest: welcome.lowest_m, highest: welcome.highest_m },
     vertical: { above: welcome.zero_surface, name: welcome.datum, geoid: welcome.geoid, maxError: welcome.undulation_error_m },
@@ -87,11 +99,17 @@ function attributionsOf(layers: readonly (Layer | null)[]): string[] {
   return [...new Set(layers.map((layer) => layer?.attribution ?? '').filter((text) => text !== ''))];
 }
 
-// East, north and up at the scene's origin, and the origin itself.
-function ecefOf(screen: Screen): number[] | null {
+function ellipsoidOf(kind: FrameKind, screen: Screen): Ellipsoid | null {
   const frame = screen.slopeFrame();
-  const origin = screen.mapPosition([0, 0, 0]);
-  if (!frame?.is_geographic || !origin) return null;
+  return kind === 'planar' || !frame ? null : { semiMajor: frame.semi_major_m, flattening: 1 - Math.sqrt(1 - frame.eccentricity_squared) };
+}
+
+// Of a globe nothing; else east, north and up at the scene's origin, and the origin itself.
+function ecefOf(kind: FrameKind, screen: Screen): number[] | null {
+  if (kind === 'planar') return null;
+  if (kind === 'globe') return [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1];
+  const frame = screen.slopeFrame(), origin = screen.mapPosition([0, 0, 0]);
+  if (!frame || !origin) return null;
   const [latitude, longitude] = origin.across.map((degrees) => (degrees * Math.PI) / 180) as [number, number];
   const [s, c, sl, cl] = [Math.sin(latitude), Math.cos(latitude), Math.sin(longitude), Math.cos(longitude)];
   const e2 = frame.eccentricity_squared, across_m = frame.semi_major_m / Math.sqrt(1 - e2 * s * s);
@@ -120,9 +138,9 @@ export function bothHeights(above: ZeroSurface, height: number, undulation: numb
 }
 
 /** @internal */
-export function placeOf(at: MapPosition, is_geographic: boolean, above: ZeroSurface): Place {
+export function placeOf(at: MapPosition, kind: FrameKind, above: ZeroSurface): Place {
   const both = bothHeights(above, at.height_m, at.undulation_m);
   const rest = { ...both, height: at.height_m, ground: at.ground_m, slope: at.slope_rad, up: at.up, lattice: at.lattice };
   const [northward, eastward] = at.across;
-  return is_geographic ? { lat: northward, lon: eastward, ...rest } : { northing: northward, easting: eastward, ...rest };
+  return kind !== 'planar' ? { lat: northward, lon: eastward, ...rest } : { northing: northward, easting: eastward, ...rest };
 }

@@ -102,6 +102,24 @@ export async function makeSceneOnEarth(folder) {
   return scene;
 }
 
+// A globe of sea and islands: one stands around each of `places`, 5 degrees across.
+export const islands = { places: [[46, 10], [0, 0], [-35, 100], [89.99, 0]], depth: 3000, top: 2500 };
+export async function makeGlobe(folder, more = []) {
+  const { places, depth, top } = islands, radians = Math.PI / 180;
+  const axes = places.map(([lat, lon]) => [Math.cos(lat * radians) * Math.cos(lon * radians), Math.cos(lat * radians) * Math.sin(lon * radians), Math.sin(lat * radians)]);
+  const lines = ['ncols 721', 'nrows 361', 'xllcenter -180', 'yllcenter -90', 'cellsize 0.5'];
+  for (let lat = 90; lat >= -90; lat -= 0.5)
+    lines.push(Array.from({ length: 721 }, (_, i) => {
+      const lon = -180 + i / 2, at = [Math.cos(lat * radians) * Math.cos(lon * radians), Math.cos(lat * radians) * Math.sin(lon * radians), Math.sin(lat * radians)];
+      const near = Math.max(...axes.map((axis) => Math.min(axis.reduce((sum, v, k) => sum + v * at[k], 0), 1))), away = Math.acos(near) / (2.5 * radians);
+      return ((depth + top) * Math.exp(-(away ** 2) * Math.log((depth + top) / depth)) - depth).toFixed(1);
+    }).join(' '));
+  const [raster, scene] = ['Islands.asc', 'islands.fls'].map((name) => join(folder, name));
+  await writeFile(raster, lines.join('\n') + '\n');
+  await run(join(bin, 'foreland'), ['build', raster, '--globe', ...more, '-o', scene]);
+  return scene;
+}
+
 // A landscape that becomes another one from 2000 to 2002, by way of a third.
 export async function makeMovingScene(folder) {
   const foreland = join(bin, 'foreland');

@@ -1,13 +1,16 @@
 // The page's parts and what flows between them, frame by frame: camera -> terrain -> picture -> readout. The terrain (@foreland/client) has
 // the session, the picture what is drawn; app/ has the parts that need more than a few lines.
-import { Terrain, type Frame, type Place, type Scene } from '@foreland/client';
+import { Terrain, type Frame, type Place, type Scene, type Vector } from '@foreland/client';
 import { addressHere, linkOf, reloadAt, writeQuery } from './app/page_address';
 import { kIsPhone, kLimits, kResting, lensOf, optionsOf } from './app/asked';
 import { CardLoss } from './app/card_loss';
 import { Steering } from './app/steering';
+import { takeAir, takeGlobe, viewAt } from './app/globe_flight';
 import { takeAddressed, takeFiles } from './app/taken_files';
 import { Tools } from './app/tools';
 import { Picture, type Shot } from './draw/picture';
+import type { PlaceView } from './globe/place_text';
+import { clockOf } from './globe/sun_position';
 import { ColourMaps } from './ui/colour_maps';
 import { Compass } from './ui/compass';
 import { Controls } from './ui/controls';
@@ -20,13 +23,14 @@ import { KeptAddress, queryText } from './ui/kept_address';
 import { showNotice, type Notice } from './ui/notice';
 import { MapInset } from './ui/map_inset';
 import { Panel } from './ui/panel';
+import { PlaceSearch } from './ui/place_search';
 import { PredictionCheck } from './ui/prediction_check';
 import { Readout } from './ui/readout';
 import { saveFile } from './ui/save_file';
 import { SceneTime } from './ui/scene_time';
 import { kLens, type Address, type Settings, type Tour } from './ui/settings';
 import type { Stage } from './ui/stage';
-import { sunDirection } from './ui/sun';
+import { sunDirection, sunOverGlobe } from './ui/sun';
 import { Tours } from './ui/tours';
 import { wordsOnMoving } from './ui/welcome_words';
 import { reasonOf } from './ui/words';
@@ -34,6 +38,9 @@ import { reasonOf } from './ui/words';
 function byId(id: string): HTMLElement {
   return document.getElementById(id)!;
 }
+const kSunStep_rad = 0.01, kRadians = Math.PI / 180;
+const kGlobeSettings = { exaggeration: 1, map: false }; // what there is not on globes
+
 function notify(notice: Notice | null): void {
   showNotice(byId('notice'), notice);
 }
@@ -56,6 +63,7 @@ export class App {
   private readonly compass = new Compass(byId('compass'), () => this.guard.run(() => this.turnNorth()));
   private readonly map = new MapInset(byId('map'), (x, y) => this.guard.run(() => this.goTo(x, y)));
   private readonly tools: Tools;
+  private readonly search: PlaceSearch;
   private readonly files: DroppedFiles;
   private readonly panel: Panel;
   private readonly settings: Settings;
@@ -83,6 +91,7 @@ export class App {
       stage: this.stage, controls, refuse: (title, reason) => this.refuseFile(title, reason), needs_token: address.token !== null, link: () => linkOf(this.addressHere()), guide: () => this.guard.run(() => this.ask()),
       beginFrames: () => this.guard.run(() => this.beginFrames()), endFrames: () => this.guard.run(() => this.endFrames()),
     });
+    this.search = new PlaceSearch(byId('tools'), (place) => this.guard.run(() => this.goToPlace(place)), (text) => this.hint.show(text));
     this.files = takeFiles({ tools: this.tools, refuse: (title, reason) => this.refuseFile(title, reason), addColours: (name, text) => this.guard.run(() => this.addColours(name, text)) });
     this.files.listen(file);
     this.files.listen(byId('overlay-file') as HTMLInputElement);
@@ -111,6 +120,7 @@ export class App {
       frozen: this.picture.frozen_view.pose !== null,
       eye: controls.eye.toArray(),
       heading: controls.look.heading,
+      pitch: controls.look.pitch,
       above_ground_m,
       title: this.scene?.title ?? null,
       scene_time_ms: this.scene_time_ms,
@@ -120,6 +130,13 @@ export class App {
     };
   }
 
+  // For tests: what a picture of a globe shows at a point of the window, and where it shows a point of the scene.
+  groundAt(x: number, y: number): number[] | null {
+    return this.picture.drawnAt(x, y)?.toArray() ?? null;
+  }
+  onScreen(point: Vector): Vector | null {
+    return this.picture.pointOnScreen(point);
+  }
   // For tests: Picture.compareEnds() and Picture.shadeAt().
   compareEnds(): ReturnType<Picture['compareEnds']> {
     return this.picture.compareEnds();
@@ -163,19 +180,40 @@ export class App {
     const is_first = this.scene === null;
     notify(null);
     this.scene = scene;
-    this.picture.setScene(scene);
+    this.setPictureScene(scene);
     this.showColours();
     this.applyLook();
     this.scene_time.setEpochs(scene.epochs);
     byId('scene-title').textContent = scene.title;
     document.title = `${scene.title} \u00b7 Foreland`;
-    if (is_first) this.steering.enter(scene, this.address.view);
+    if (is_first) this.enterFirst(scene);
     this.panel.setScene(scene);
     if (!is_first) return;
-    this.hint.show(wordsOnMoving(kIsPhone));
+    this.hint.show(wordsOnMoving(kIsPhone, scene.frame === 'globe'));
     this.kept_address.begin(queryText(this.addressHere()));
     void takeAddressed(this.files, this.address.tracks, (title, reason) => this.refuseFile(title, reason));
     void this.tools.overlays.open(this.address.overlays);
+  }
+
+  private goToPlace(place: PlaceView): void {
+    this.takeOver();
+    const [x, y, z, heading, pitch] = viewAt(this.terrain!, place)!;
+    this.steering.controls.jumpTo([x!, y!, z!], { heading: heading! * kRadians, pitch: pitch! * kRadians });
+    this.terrain!.jump();
+  }
+  private setPictureScene(scene: Scene): void {
+    this.picture.setScene(scene);
+    if (scene.frame === 'globe') takeAir(this.terrain!, this.picture).catch((error: unknown) => console.warn(error));
+  }
+  private enterFirst(scene: Scene): void {
+    const { controls } = this.steering;
+    this.steering.enter(scene, this.address.view ?? viewAt(this.terrain!, this.address.at));
+    if (scene.frame !== 'globe') return;
+    takeGlobe(controls, this.terrain!, () => this.picture);
+    this.search.setOn(true);
+    if (!this.address.tells_clock) Object.assign(this.settings, clockOf(new Date()));
+    Object.assign(this.settings, kGlobeSettings);
+    this.applyLook();
   }
 
   private showWaiting(seconds: number, reason: string): void {
@@ -245,8 +283,8 @@ export class App {
     this.picture = this.newPicture();
     this.picture.frames = before.frames;
     this.picture.up.copy(before.up);
-    if (this.scene) this.picture.setScene(this.scene);
     if (this.terrain) this.showTerrain(this.terrain);
+    if (this.scene) this.setPictureScene(this.scene);
     this.showColours();
     if (before.frozen_view.pose) this.freezeAt(before.frozen_view.pose);
     this.tools.show();
@@ -284,12 +322,13 @@ export class App {
     if (file) saveFile(file, 'flight.rec');
   }
   private addressHere(): URLSearchParams {
-    return addressHere(this.scene, this.steering.controls, this.settings, this.tours.current !== null);
+    return addressHere(this.terrain, this.steering.controls, this.settings, this.tours.current !== null);
   }
 
   private applyLook(): void {
     if (this.settings.colours !== this.shown_colours) this.showColours();
-    this.picture.setLook(this.settings, sunDirection(this.settings, this.scene));
+    const is_globe = this.scene?.frame === 'globe';
+    this.picture.setLook(this.settings, is_globe ? sunOverGlobe(this.settings, this.picture.up) : sunDirection(this.settings, this.scene));
     this.tools?.labels.setOn(this.settings.labels);
     this.map.setOn(this.settings.map);
   }
@@ -391,6 +430,7 @@ export class App {
     if (!this.scene) return; // there is no view yet, and the first one that is told is paid for
     const frozen = picture.frozen_view.pose;
     const position = steering.step(terrain!, now_ms, seconds, picture.up, frozen !== null);
+    if (this.scene.frame === 'globe') this.followSun();
     const own = steering.controls.pose(picture.up);
     this.prediction.frame(now_ms, (frozen ?? own).eye);
     const frame = picture.update(now_ms, own);
@@ -401,6 +441,12 @@ export class App {
     this.tools.labels.update(now_ms);
     this.measure(now_ms, frame, position);
     this.kept_address.keep(now_ms, () => queryText(this.addressHere()));
+  }
+
+  // Over a globe, where light comes from as seen from the camera: in steps, for shadows are made anew with each.
+  private followSun(): void {
+    const sun = sunOverGlobe(this.settings, this.picture.up);
+    if (Math.hypot(...sun.map((v, i) => v - this.picture.sunDirection[i]!)) > kSunStep_rad) this.applyLook();
   }
 
   private takeFrame(frame: Frame): void {

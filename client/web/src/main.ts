@@ -10,7 +10,7 @@ import { readAddress } from './ui/settings';
 
 declare global {
   interface Window {
-    foreland?: { status: () => Record<string, unknown>; compareEnds: () => unknown; shadeAt: App['shadeAt'] };
+    foreland?: { status: () => Record<string, unknown>; compareEnds: () => unknown; shadeAt: App['shadeAt']; groundAt: App['groundAt']; onScreen: App['onScreen'] };
   }
 }
 
@@ -30,7 +30,8 @@ function main(): void {
   if (!('url' in server)) return refuse(server, query);
   const app = new App(readAddress(window.location, server.url));
   window.foreland = { status: () => app.status(), compareEnds: () => app.compareEnds(),
-    shadeAt: (positions, footprint, weight) => app.shadeAt(positions, footprint, weight) };
+    shadeAt: (positions, footprint, weight) => app.shadeAt(positions, footprint, weight),
+    groundAt: (x, y) => app.groundAt(x, y), onScreen: (point) => app.onScreen(point) };
   app.start();
 }
 

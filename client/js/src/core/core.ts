@@ -3,7 +3,7 @@
 // until the next call into it.
 import { CoreError, reasonOf } from './failure.js';
 import { kRecordLayout, readTextRecord, readWelcomeRecord } from './records.js';
-import { kZeroSurfaces, type Welcome } from './values.js';
+import { kFrameKinds, kZeroSurfaces, type Welcome } from './values.js';
 
 interface Exports {
   memory: WebAssembly.Memory;
@@ -156,7 +156,7 @@ export function welcomeAt(core: Core, at: number): Welcome {
     keyframe_ms: r.keyframe_ms,
     title: core.text(r.title, r.title_size),
     crs: core.text(r.crs, r.crs_size),
-    is_geographic: r.is_geographic === 1,
+    frame: kFrameKinds[r.frame_kind] ?? 'planar',
     samples: [r.samples_x, r.samples_y],
     model_has_image: Array.from({ length: r.model_count }, (_, i) => view.getUint32(r.model_sides + 4 * i, true) > 0),
     epochs_ms: Array.from({ length: r.epoch_count }, (_, i) => view.getFloat64(r.epochs + 8 * i, true)),

@@ -131,7 +131,7 @@ export interface Welcome {
   keyframe_ms: number;
   title: string;
   crs: string;
-  is_geographic: boolean;
+  frame: FrameKind;
   samples: [number, number];
   model_has_image: boolean[]; // of the objects' models
   epochs_ms: number[]; // since 1970, of a scene that changes in time
@@ -143,6 +143,10 @@ export interface Welcome {
   geoid: string; // whose undulations are known; empty: none's
   undulation_error_m: number;
 }
+
+/** How a scene lies: on a map, on the earth about its origin, or as the whole body. */
+export type FrameKind = 'planar' | 'geographic' | 'globe';
+export const kFrameKinds: readonly FrameKind[] = ['planar', 'geographic', 'globe']; // in the order of proto/space/frame.h
 
 /** What heights count from: an ellipsoid, the level of the sea, or nobody says. */
 export type ZeroSurface = 'unstated' | 'ellipsoid' | 'sea';

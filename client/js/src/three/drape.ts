@@ -1,7 +1,7 @@
 // What is laid over the terrain: relief, which it is shaded and coloured by, and imagery. Their textures, and the uniforms by which the terrain's
 // shader finds the texels of a lattice position.
 import * as THREE from 'three';
-import { kContents, type Content, type Layer, type SlopeFrame, type TextureLayers } from '../core/values.js';
+import { kContents, kFrameKinds, type Content, type Layer, type SlopeFrame, type TextureLayers } from '../core/values.js';
 import type { MeshUpdate } from '../core/mesh_update.js';
 import { TileTextures } from './tile_textures.js';
 
@@ -35,13 +35,13 @@ export class Drape {
     const u = this.uniforms;
     if (!frame) return;
     u.u_gradient!.value.set(...frame.gradient_x, ...frame.gradient_y);
-    u.u_is_geographic!.value = frame.is_geographic;
+    u.u_frame!.value = frame.frame_kind;
     u.u_geodetic_step!.value.set(frame.longitude_step, frame.latitude_step);
     u.u_origin_latitude!.value = frame.origin_latitude;
     u.u_ellipsoid!.value.set(frame.semi_major_m, frame.eccentricity_squared);
     const { relief } = layers;
     if (!relief) return;
-    const sample_m = frame.is_geographic ? frame.semi_major_m * frame.latitude_step : 1 / Math.hypot(...frame.gradient_y);
+    const sample_m = kFrameKinds[frame.frame_kind] === 'geographic' ? frame.semi_major_m * frame.latitude_step : 1 / Math.hypot(...frame.gradient_y);
     u.u_relief_code!.value.set(relief.low_m, relief.code_m);
     u.u_relief_texel_m!.value = relief.texel * sample_m;
   }
@@ -107,7 +107,7 @@ export class Drape {
 function slopeUniforms(): Record<string, THREE.IUniform> {
   return {
     u_gradient: { value: new THREE.Vector4() },
-    u_is_geographic: { value: 0 },
+    u_frame: { value: 0 },
     u_geodetic: { value: new THREE.Vector2() },
     u_geodetic_step: { value: new THREE.Vector2() },
     u_origin_latitude: { value: 0 },

@@ -2,10 +2,10 @@
 // slices, and sets the weight by which the mesh that is drawn is blended.
 import * as THREE from 'three';
 import type { MeshUpdate, PartLines } from '../core/mesh_update.js';
-import type { Pose } from '../core/values.js';
+import type { FrameKind, Pose } from '../core/values.js';
 import { ForelandError } from '../errors.js';
 import type { MeshSink } from '../mesh_sink.js';
-import type { Scene, Vector } from '../scene.js';
+import type { Place, Scene, Vector } from '../scene.js';
 import type { Frame } from '../frame.js';
 import type { Terrain } from '../terrain.js';
 import { layersOf } from '../options.js';
@@ -127,6 +127,7 @@ export class ForelandTerrain extends THREE.Group {
   depthRange(eye: readonly number[] = this.eye, aboveGround?: number | null): { near: number; far: number } {
     if (!this.terrain.hasScene) return { near: 0.1, far: 1e5 };
     const { low, high } = this.terrain.scene.bounds;
+    if (this.terrain.scene.frame === 'globe') return globeDepths(this.terrain.scene, eye, this.terrain.place(eye), aboveGround);
     const across_m = Math.hypot(high[0] - low[0], high[1] - low[1], high[2] - low[2]);
     const outside_m = Math.hypot(eye[0]! - 0.5 * (low[0] + high[0]), eye[1]! - 0.5 * (low[1] + high[1]), eye[2]! - low[2]);
     if (aboveGround === undefined) {
@@ -255,7 +256,7 @@ export class ForelandTerrain extends THREE.Group {
     const { screen, welcome } = terrain;
     if (!card || !screen || !welcome) return;
     const slopes = screen.slopeFrame();
-    card.terrain.setScene(welcome, slopes?.is_geographic ? [0, Math.cos(slopes.origin_latitude), Math.sin(slopes.origin_latitude)] : [0, 1, 0]);
+    card.terrain.setScene(welcome, northOf(welcome.frame, slopes?.origin_latitude ?? 0));
     card.objects.setScene(welcome);
     card.drape.setScene({ relief: screen.layer('relief'), imagery: screen.layer('imagery') }, slopes);
     this.showStyle();
@@ -309,6 +310,21 @@ export class ForelandTerrain extends THREE.Group {
     canvas.addEventListener('webglcontextrestored', restore);
     this.offs.push(() => canvas.removeEventListener('webglcontextlost', lose), () => canvas.removeEventListener('webglcontextrestored', restore));
   }
+}
+
+// Towards the pole, or the map's north.
+function northOf(kind: FrameKind, origin_latitude: number): [number, number, number] {
+  if (kind === 'globe') return [0, 0, 1];
+  return kind === 'planar' ? [0, 1, 0] : [0, Math.cos(origin_latitude), Math.sin(origin_latitude)];
+}
+
+// To the farthest ground that may stand over the horizon, from the nearest that may be below the eye.
+function globeDepths({ bounds: { high }, heights }: Scene, eye: readonly number[], place: Place | null, above_ground?: number | null): { near: number; far: number } {
+  const inside_m = high[2] - heights.highest + heights.lowest; // of a ball below all ground
+  const beyond_m = (from_m: number) => Math.sqrt(Math.max(from_m ** 2 - inside_m ** 2, 0));
+  const far = beyond_m(Math.hypot(...eye)) + beyond_m(high[0]) + 1, over_m = place ? place.height - heights.highest : 0;
+  const clearance_m = above_ground ?? (place && place.ground !== null ? place.height - place.ground : 0);
+  return { near: Math.max(0.9 * over_m, 0.06 * clearance_m, 0.1), far };
 }
 
 function sizeOf(renderer: THREE.WebGLRenderer): { width: number; height: number } {

@@ -44,9 +44,13 @@ export class TerrainMesh {
   // Colours follow the scene's size and relief. `north`: the earth's axis, or north on the map.
   setScene(welcome: Welcome, north: readonly [number, number, number]): void {
     const across_m = Math.hypot(welcome.high[0] - welcome.low[0], welcome.high[1] - welcome.low[1]);
-    const relief_m = Math.max(welcome.highest_m - welcome.lowest_m, 1e-3 * across_m, 1e-3);
+    const is_globe = welcome.frame === 'globe', has_sea = is_globe && welcome.geoid !== '' && welcome.lowest_m < 0;
+    const lowest_m = has_sea ? 0 : welcome.lowest_m;
+    const relief_m = Math.max(welcome.highest_m - lowest_m, is_globe ? 0 : 1e-3 * across_m, 1e-3);
     const spacing_m = across_m / Math.hypot(...welcome.samples);
-    this.uniforms.u_heights!.value.set(welcome.lowest_m, welcome.lowest_m + relief_m);
+    this.uniforms.u_heights!.value.set(lowest_m, lowest_m + relief_m);
+    this.uniforms.u_has_sea!.value = has_sea ? 1 : 0;
+    this.uniforms.u_round!.value = is_globe ? ((welcome.high[0] - welcome.highest_m) / (welcome.high[2] - welcome.highest_m)) ** 2 : 1;
     this.uniforms.u_noise_m!.value = 16 * spacing_m;
     this.noise_period_m = 16 * spacing_m * 1024;
     this.uniforms.u_far!.value = 0.35 * across_m;
@@ -102,7 +106,8 @@ export class TerrainMesh {
     u.u_up!.value.fromArray(up);
     u.u_origin!.value.set(this.origin.x - eye[0]!, this.origin.y - eye[1]!, this.origin.z - eye[2]!);
     const wrap = (v: number) => v - this.noise_period_m * Math.floor(v / this.noise_period_m);
-    u.u_origin_tile!.value.set(wrap(this.origin.x), wrap(this.origin.y));
+    u.u_origin_tile!.value.set(wrap(this.origin.x), wrap(this.origin.y), wrap(this.origin.z));
+    u.u_from_middle!.value.copy(this.origin);
   }
 }
 
@@ -122,7 +127,10 @@ function terrainUniforms(): Uniforms {
   return {
     u_weight: { value: 0 },
     u_origin: { value: new THREE.Vector3() },
-    u_origin_tile: { value: new THREE.Vector2() },
+    u_origin_tile: { value: new THREE.Vector3() },
+    u_from_middle: { value: new THREE.Vector3() },
+    u_round: { value: 1 },
+    u_has_sea: { value: 0 },
     u_sun: { value: new THREE.Vector3(0, 0, 1) },
     u_up: { value: new THREE.Vector3(0, 0, 1) },
     u_palette: { value: kPalette.map((c) => new THREE.Color(c)) },

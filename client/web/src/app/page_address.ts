@@ -1,14 +1,17 @@
 // The page's address as it would lead here: with where the camera is and how it is shown, and without a tour that has ended.
-import type { Scene } from '@foreland/client';
+import type { Terrain } from '@foreland/client';
 import type { Controls } from '../ui/controls';
 import { queryText, viewText } from '../ui/kept_address';
+import { atText } from '../globe/place_text';
 import { writeSettings, type Settings } from '../ui/settings';
 
-export function addressHere(scene: Scene | null, { eye, look }: Controls, settings: Settings, is_touring: boolean): URLSearchParams {
+export function addressHere(terrain: Terrain | null, { eye, look }: Controls, settings: Settings, is_touring: boolean): URLSearchParams {
   const query = new URLSearchParams(window.location.search);
-  if (!scene) return query;
-  const { low, high } = scene.bounds;
-  query.set('view', viewText(eye.toArray(), look, Math.hypot(high[0] - low[0], high[1] - low[1])));
+  if (!terrain?.hasScene) return query;
+  const { frame, bounds: { low, high } } = terrain.scene, place = terrain.toGeodetic(eye.toArray());
+  if (frame === 'globe' && 'lat' in place) query.set('at', atText(place, look));
+  else query.set('view', viewText(eye.toArray(), look, Math.hypot(high[0] - low[0], high[1] - low[1])));
+  query.delete(frame === 'globe' ? 'view' : 'at');
   if (!is_touring) query.delete('tour');
   writeSettings(query, settings);
   return query;

@@ -18,11 +18,10 @@ export class Steering {
   // To where the page's address says (x, y, z in metres, heading and pitch in degrees), or to the first view of the scene.
   enter(scene: Scene, view: readonly number[] | null): void {
     const { controls } = this;
-    controls.setBox(scene.bounds.low, scene.bounds.high);
+    controls.setScene(scene);
     const { eye, look } = startView(scene);
-    controls.eye.fromArray(view?.slice(0, 3) ?? eye);
     const [heading, pitch] = (view?.slice(3) ?? []).map((degrees) => (degrees * Math.PI) / 180);
-    controls.look = heading === undefined ? look : { heading, pitch: pitch! };
+    controls.jumpTo(view?.slice(0, 3) ?? eye, heading === undefined ? look : { heading, pitch: pitch! });
   }
 
   // `up` becomes that of the new eye. A camera whose view is frozen is steered.
@@ -31,15 +30,34 @@ export class Steering {
     controls.readPad(seconds);
     const guided = this.guides().map((guide) => guide.pose(terrain, now_ms)).find((pose) => pose !== null);
     if (guided && !is_frozen) {
-      controls.eye.fromArray(guided.eye);
-      controls.look = lookOf(guided.orientation, up);
+      if (controls.isOnGlobe) up.fromArray(terrain.place(guided.eye)?.up ?? up.toArray());
+      controls.jumpTo(guided.eye, lookOf(guided.orientation, up, controls.pole));
     } else {
-      controls.step(seconds, up, (from, to) => terrain.sweep(from, to, controls.clearance_m));
+      controls.step(seconds, up, (from, to) => (controls.isOnGlobe ? sweepOverGlobe : sweep)(terrain, from, to, controls.clearance_m));
     }
     const position = terrain.place(controls.eye.toArray());
     if (position) up.fromArray(position.up);
     this.above_ground_m = position && position.ground !== null ? position.height - position.ground : null;
-    if (this.above_ground_m !== null) controls.ground_distance_m = Math.max(this.above_ground_m, controls.clearance_m);
+    const distance_m = this.above_ground_m ?? (controls.isOnGlobe ? position?.height ?? null : null);
+    if (distance_m !== null) controls.ground_distance_m = Math.max(distance_m, controls.clearance_m);
     return position;
   }
+}
+
+type Triple = [number, number, number];
+
+function sweep(terrain: Terrain, from: number[], to: number[], clearance_m: number): Triple {
+  return terrain.sweep(from, to, clearance_m);
+}
+
+const kLongest_m = 20e3; // of a way that is looked at
+// Ways within a face of the globe's lattice keep clear of the ground all along; others, and those of jumps, where they end.
+function sweepOverGlobe(terrain: Terrain, from: number[], to: number[], clearance_m: number): Triple {
+  const ends = [from, to].map((point) => terrain.place(point)), [before, there] = ends, { highest } = terrain.scene.heights;
+  if (!before || !there || Math.min(before.height, there.height) > highest + clearance_m) return to as Triple;
+  const [face, last] = ends.map((place) => Math.floor((6 * place!.lattice[0]) / terrain.scene.samples[0]));
+  const length_m = Math.hypot(...to.map((v, i) => v - from[i]!));
+  const eye = face === last && length_m < kLongest_m ? terrain.sweep(from, to, clearance_m) : (to as Triple);
+  const { ground, height, up } = terrain.place(eye)!, missing_m = ground === null || length_m === 0 ? 0 : Math.max(ground + clearance_m - height, 0);
+  return eye.map((v, i) => v + missing_m * up[i]!) as Triple;
 }

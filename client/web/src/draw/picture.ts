@@ -4,6 +4,8 @@ import { ForelandTerrain } from '@foreland/client/three';
 import * as THREE from 'three';
 import { kLens, type Settings } from '../ui/settings';
 import { askedLens, askedPose, shownPose } from './exaggeration';
+import type { Air } from './air';
+import { DeepCanvas } from './deep_canvas';
 import { FlightMarks } from './flight_marks';
 import { FrozenView } from './frozen_view';
 import { pageMaterials } from './materials';
@@ -12,6 +14,7 @@ import { NameTexts } from './name_texts';
 import { OverlayDrape } from './overlay_drape';
 import { OverlayMarks } from './overlay_marks';
 import { ShadeProbe } from './shade_probe';
+import { kTerrainVertex } from './shaders';
 import { SightLines } from './sight_lines';
 import { Sky } from './sky';
 import { ViewshedDrape } from './viewshed_drape';
@@ -49,6 +52,9 @@ export class Picture {
   private asked_lens = { key: '', lens: { tan_x: 1, tan_y: 1, finer: 1 } };
   private readonly told_size = { width: 1, height: 1 };
   private thickness = 0; // of the haze, where it is shown
+  private deep: DeepCanvas | null = null; // of a globe
+  private air: Air | null = null;
+  private has_air = true; // that is shown
   private last_shot: Shot | null = null;
   private largest_upload = 0; // as a share of its frame's limit, since the first picture
   frames = 0;
@@ -72,9 +78,14 @@ export class Picture {
     this.overlay_drape.dispose();
     this.overlay_marks.dispose();
     this.name_texts.clear();
+    this.deep?.dispose();
+    this.air?.dispose();
     this.renderer.dispose();
   }
 
+  get sunDirection(): Vector {
+    return this.sun.toArray();
+  }
   get aspect(): number {
     return this.camera.aspect;
   }
@@ -89,6 +100,8 @@ export class Picture {
     const drawn = this.ground?.drawn;
     return {
       frames: this.frames,
+      depth_reversed: this.deep?.isReversed ?? false,
+      air: this.air !== null && this.has_air,
       mesh_version: drawn?.version ?? 0,
       triangles: drawn?.triangles ?? 0,
       object_triangles: drawn?.objectTriangles ?? 0,
@@ -102,14 +115,28 @@ export class Picture {
   // ---- what is shown
 
   // Haze follows the scene's size and relief.
-  setScene({ bounds: { low, high }, heights }: Scene): void {
+  setScene({ frame, bounds: { low, high }, heights }: Scene): void {
     const across_m = Math.hypot(high[0] - low[0], high[1] - low[1]);
     this.haze.u_haze_height.value = 0.9 * Math.max(heights.highest - heights.lowest, 1e-3 * across_m, 1e-3);
-    this.thickness = 1.8 / across_m;
+    this.thickness = frame === 'globe' ? 0 : 1.8 / across_m;
+    this.sky.setFrame(frame);
+    if (frame === 'globe') this.deep ??= new DeepCanvas(this.renderer);
+  }
+  // Of a globe whose air is known.
+  takeAir({ air, ground, sky }: { air: Air; ground: string; sky: string }): void {
+    const material = this.ground?.groundMaterial as THREE.RawShaderMaterial;
+    this.air = air;
+    air.uniforms.u_air!.value = this.has_air ? 1 : 0;
+    material.fragmentShader = ground;
+    Object.assign(material.uniforms, air.uniforms);
+    material.needsUpdate = true;
+    this.sky.takeAir(sky, air.uniforms);
   }
   setLook(settings: Settings, sun: [number, number, number]): void {
     this.sun.set(...sun);
     this.haze.u_haze.value = settings.fog ? this.thickness : 0;
+    this.has_air = settings.fog;
+    if (this.air) this.air.uniforms.u_air!.value = settings.fog ? 1 : 0;
     const { ground, contours, relief, imagery, wireframe, snow_line: snowLine, change, shadows: reliefShadows } = settings;
     this.ground?.setStyle({ ground, contours, relief, imagery, wireframe, snowLine, change, reliefShadows, sun });
   }
@@ -187,11 +214,14 @@ export class Picture {
     camera.updateProjectionMatrix();
     this.setMatrices();
     this.sky.update(camera);
+    this.air?.place(camera.position);
     const pivot = ground!.uniforms.u_pivot!.value as THREE.Vector2;
     this.viewshed_drape.place(pivot);
     this.overlay_drape.place(pivot);
     this.name_texts.place(camera, this.canvas.clientHeight);
-    this.flight_marks.draw(this.renderer, this.scene, camera);
+    const draw = () => this.flight_marks.draw(this.renderer, this.scene, camera);
+    if (this.deep) this.deep.draw(draw);
+    else draw();
     ++this.frames;
   }
 
@@ -221,6 +251,21 @@ export class Picture {
     return at.unproject(this.camera).sub(this.camera.position).normalize().toArray();
   }
 
+  // The unit direction, in the camera's axes, of a point of the window.
+  pointerAt(x: number, y: number): THREE.Vector3 {
+    const { left, top, width, height } = this.canvas.getBoundingClientRect(), tall = Math.tan(kLens.fov_rad / 2);
+    return new THREE.Vector3(((2 * (x - left)) / width - 1) * tall * this.camera.aspect, (1 - (2 * (y - top)) / height) * tall, -1).normalize();
+  }
+  // Of a globe: the ground that is drawn at a point of the window; null beside it.
+  drawnAt(x: number, y: number): THREE.Vector3 | null {
+    const { deep, ground, camera, canvas } = this;
+    if (!deep || !ground || this.shownVersion === 0) return null;
+    const { left, top, width, height } = canvas.getBoundingClientRect();
+    const pixel = [((x - left) / width) * canvas.width - 0.5, ((y - top) / height) * canvas.height - 0.5] as const;
+    const distance_m = deep.distanceAt(ground, camera, ...pixel, kTerrainVertex, ground.uniforms);
+    return distance_m === null ? null : this.pointerAt(x, y).applyQuaternion(camera.quaternion).multiplyScalar(distance_m).add(camera.position);
+  }
+
   // Where a point of the scene is in the window, and how deep; null behind the eye.
   pointOnScreen(point: Vector): Vector | null {
     const { left, top, width, height } = this.canvas.getBoundingClientRect();
@@ -234,7 +279,8 @@ export class Picture {
   // Metres across a pixel of the window, on a plane towards the ground that is held in the middle of the view; null where there is none.
   pixelAtGround_m(): number | null {
     const { left, top, width, height } = this.canvas.getBoundingClientRect();
-    const point = this.ground?.terrain.raycast(this.eye, this.directionAt(left + width / 2, top + height / 2));
+    const [x, y] = [left + width / 2, top + height / 2] as const;
+    const point = this.deep ? this.drawnAt(x, y)?.toArray() : this.ground?.terrain.raycast(this.eye, this.directionAt(x, y));
     if (!point) return null;
     return (2 * Math.tan(kLens.fov_rad / 2) * (this.pointOnScreen(point)?.[2] ?? 0)) / height || null;
   }

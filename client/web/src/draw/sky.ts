@@ -1,9 +1,11 @@
 // The sky: one triangle over the whole screen, drawn behind everything.
+import type { FrameKind } from '@foreland/client';
 import * as THREE from 'three';
 import { kSkyFragment, kSkyVertex } from './shaders';
 
 export class Sky {
   readonly object: THREE.Mesh;
+  private readonly frame = { value: 0 };
   private readonly directions = new THREE.Matrix4();
 
   // `sun`: towards it; `up`: at the eye.
@@ -14,7 +16,7 @@ export class Sky {
       glslVersion: THREE.GLSL3,
       vertexShader: kSkyVertex,
       fragmentShader: kSkyFragment,
-      uniforms: { u_sun: { value: sun }, u_up: { value: up }, u_directions: { value: this.directions } },
+      uniforms: { u_sun: { value: sun }, u_up: { value: up }, u_frame: this.frame, u_directions: { value: this.directions } },
       depthTest: false,
       depthWrite: false,
     });
@@ -23,6 +25,17 @@ export class Sky {
     this.object.renderOrder = -1;
   }
 
+  // Through the air of a globe, once there is some.
+  takeAir(fragment: string, uniforms: Record<string, THREE.IUniform>): void {
+    const material = this.object.material as THREE.RawShaderMaterial;
+    material.fragmentShader = fragment;
+    Object.assign(material.uniforms, uniforms);
+    material.needsUpdate = true;
+  }
+  // Over a globe it is black until then.
+  setFrame(kind: FrameKind): void {
+    this.frame.value = kind === 'globe' ? 2 : 0;
+  }
   update(camera: THREE.PerspectiveCamera): void {
     this.directions.makeRotationFromQuaternion(camera.quaternion).multiply(camera.projectionMatrixInverse);
   }

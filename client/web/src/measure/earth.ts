@@ -1,4 +1,4 @@
-// Lengths and areas where a scene lies: geodesics on WGS84, or straight lines on the map of a scene whose data are projected.
+// Lengths and areas where a scene lies: geodesics on WGS84 or its body's ellipsoid, or straight lines on the map of a scene whose data are projected.
 import type { MapPoint, Scene } from '@foreland/client';
 import geographiclib from 'geographiclib-geodesic';
 
@@ -14,43 +14,46 @@ export interface Earth {
   towards(from: MapPoint, to: MapPoint): [east_m: number, north_m: number];
 }
 
-export function earthOf(scene: Pick<Scene, 'frame'>): Earth {
-  return scene.frame === 'geographic' ? kEllipsoid : kMap;
+export function earthOf(scene: Pick<Scene, 'frame'> & { ellipsoid?: Scene['ellipsoid'] }): Earth {
+  const { ellipsoid } = scene;
+  if (scene.frame === 'planar') return kMap;
+  return ellipsoid && ellipsoid.semiMajor !== WGS84.a ? onEllipsoid(new geographiclib.Geodesic.Geodesic(ellipsoid.semiMajor, ellipsoid.flattening)) : kEllipsoid;
 }
 
 type Geographic = Extract<MapPoint, { lat: number }>;
 type Projected = Extract<MapPoint, { easting: number }>;
 
 const { WGS84 } = geographiclib.Geodesic;
-const kEllipsoid: Earth = {
+const onEllipsoid = (geodesic: typeof WGS84): Earth => ({
   distance(from, to) {
     const [a, b] = [from, to] as [Geographic, Geographic];
-    return WGS84.Inverse(a.lat, a.lon, b.lat, b.lon).s12!;
+    return geodesic.Inverse(a.lat, a.lon, b.lat, b.lon).s12!;
   },
   along(from, to, count) {
     const [a, b] = [from, to] as [Geographic, Geographic];
-    const line = WGS84.InverseLine(a.lat, a.lon, b.lat, b.lon);
+    const line = geodesic.InverseLine(a.lat, a.lon, b.lat, b.lon);
     return Array.from({ length: count }, (_, i) => {
       const { lat2, lon2 } = line.Position((line.s13 * i) / (count - 1));
       return { lat: lat2!, lon: lon2! };
     });
   },
   area(ring) {
-    const polygon = WGS84.Polygon(false);
+    const polygon = geodesic.Polygon(false);
     for (const place of ring as Geographic[]) polygon.AddPoint(place.lat, place.lon);
     return Math.abs(polygon.Compute(false, true).area!);
   },
   offset(from, east_m, north_m) {
     const { lat, lon } = from as Geographic;
-    const { lat2, lon2 } = WGS84.Direct(lat, lon, (Math.atan2(east_m, north_m) * 180) / Math.PI, Math.hypot(east_m, north_m));
+    const { lat2, lon2 } = geodesic.Direct(lat, lon, (Math.atan2(east_m, north_m) * 180) / Math.PI, Math.hypot(east_m, north_m));
     return { lat: lat2!, lon: lon2! };
   },
   towards(from, to) {
     const [a, b] = [from, to] as [Geographic, Geographic];
-    const { s12, azi1 } = WGS84.Inverse(a.lat, a.lon, b.lat, b.lon), azimuth = (azi1! * Math.PI) / 180;
+    const { s12, azi1 } = geodesic.Inverse(a.lat, a.lon, b.lat, b.lon), azimuth = (azi1! * Math.PI) / 180;
     return [s12! * Math.sin(azimuth), s12! * Math.cos(azimuth)];
   },
-};
+});
+const kEllipsoid = onEllipsoid(WGS84);
 
 const kMap: Earth = {
   distance(from, to) {

@@ -15,7 +15,8 @@ export interface Measurement {
 
 // Where the data's samples are apart.
 export function spacingOf(terrain: Terrain): number {
-  const { bounds: { low, high }, samples } = terrain.scene;
+  const { frame, bounds: { low, high }, samples } = terrain.scene;
+  if (frame === 'globe') return (3 * Math.PI * high[0]) / samples[0]; // a quarter of the equator is a face, of six
   return Math.hypot(high[0] - low[0], high[1] - low[1]) / Math.hypot(...samples);
 }
 

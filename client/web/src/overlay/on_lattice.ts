@@ -3,7 +3,7 @@ import type { MapPoint, Terrain } from '@foreland/client';
 import type { Feature, Places } from './feature';
 
 export function mapPointsOf(terrain: Terrain, places: Places): MapPoint[] {
-  const is_geographic = terrain.scene.frame === 'geographic';
+  const is_geographic = terrain.scene.frame !== 'planar';
   return Array.from({ length: places.length / 2 }, (_, i) => {
     const [x, y] = [places[2 * i]!, places[2 * i + 1]!];
     return is_geographic ? { lon: x, lat: y } : { easting: x, northing: y };

@@ -1,9 +1,12 @@
 // Flying by hand. Mouse: drag looks, wheel sets the speed. Keys: W A S D or arrows move, E and Q rise and sink, Shift is faster.
+// Over a globe pointers do what GlobeHands says, and speed follows the height.
 // Touch: one finger looks; two fingers carry the viewer along, pinching moves ahead, twisting turns. A gamepad does all of that. Motion ends at the ground; nothing else moves the eye.
 import * as THREE from 'three';
-import { basisAt, forwardOf, orientationOf, type Look } from './camera';
-import type { Pose } from '@foreland/client';
+import { basisAt, forwardOf, kAxis, kMapNorth, orientationOf, type Look } from './camera';
+import type { Pose, Scene } from '@foreland/client';
 import { padState } from './gamepad';
+import type { GlobeHands } from './globe_hands';
+import { fly, type Body } from './globe_moves';
 import { isForPage, isOnButton } from './stage';
 
 const kKeys: Record<string, [axis: 0 | 1 | 2, sign: number]> = {
@@ -20,15 +23,19 @@ const kPadTurn_radps = 1.3;
 // and none is longer than so many times the one before.
 const kFirstStep_m = 8, kGrowth = 1.5;
 const kClearance_m = 2;
+const kHeights_ps = 0.7, kSlowest_mps = 12, kFastest_mps = 8e6; // over a globe: heights above the ground in a second
 
 export class Controls {
   eye = new THREE.Vector3();
   look: Look = { heading: 0, pitch: 0 };
+  pole = kMapNorth; // towards which headings are 0
   speed_mps = 150;
   clearance_m = kClearance_m;
   onTakeOver: () => void = () => {}; // the user steers
   onSpeed: () => void = () => {}; // the user has chosen another speed, by the wheel
 
+  private globe: { hands: GlobeHands; body: Body } | null = null;
+  private readonly settled = new THREE.Vector3(); // where the last frame left the eye
   private readonly velocity = new THREE.Vector3(); // right, ahead, up
   private pad: ReturnType<typeof padState> = null;
   private stepped_m = 0; // in the last frame
@@ -53,28 +60,50 @@ export class Controls {
     canvas.addEventListener('pointerdown', (e) => this.press(e));
     canvas.addEventListener('pointermove', (e) => this.drag(e));
     for (const name of ['pointerup', 'pointercancel', 'lostpointercapture'] as const) {
-      canvas.addEventListener(name, (e) => this.fingers.delete(e.pointerId));
+      canvas.addEventListener(name, (e) => this.release(e));
     }
     canvas.addEventListener('wheel', (e) => this.turnWheel(e), { passive: false });
     canvas.addEventListener('contextmenu', (e) => e.preventDefault());
   }
 
-  // The eye stays in the box grown by its own width on each side.
-  setBox(low: readonly number[], high: readonly number[]): void {
+  // The eye stays in the scene's box grown by its own width on each side.
+  setScene({ frame, bounds: { low, high } }: Scene): void {
+    if (frame === 'globe') return this.setGlobe();
     const grow = Math.max(high[0]! - low[0]!, high[1]! - low[1]!);
-    this.low.fromArray(low as number[]).subScalar(grow);
-    this.high.fromArray(high as number[]).addScalar(grow);
+    this.low.fromArray([...low]).subScalar(grow);
+    this.high.fromArray([...high]).addScalar(grow);
     this.speed_mps = Math.min(Math.max(grow / 180, 0.02), 400);
     this.clearance_m = Math.min(kClearance_m, grow / 2000);
   }
 
+  private setGlobe(): void {
+    this.pole = kAxis;
+    this.low.setScalar(-Infinity);
+    this.high.setScalar(Infinity);
+  }
+  // From now on it flies over a globe.
+  takeGlobe(hands: GlobeHands, body: Body): void {
+    this.globe = { hands, body };
+  }
+  // To another place, at once.
+  jumpTo(eye: readonly number[], look: Look): void {
+    this.globe?.hands.rest();
+    this.velocity.set(0, 0, 0);
+    this.settled.copy(this.eye.fromArray([...eye]));
+    this.look = look;
+  }
+  get isOnGlobe(): boolean {
+    return this.globe !== null;
+  }
+
   pose(up: THREE.Vector3): Pose {
-    return { eye: this.eye.toArray(), orientation: orientationOf(this.look, up) };
+    return { eye: this.eye.toArray(), orientation: orientationOf(this.look, up, this.pole) };
   }
 
   // Moves the camera for `seconds`. `sweep` limits a motion by the ground (Terrain.sweep).
   step(seconds: number, up: THREE.Vector3, sweep: (from: number[], to: number[]) => [number, number, number]): void {
-    const from = this.eye.toArray();
+    const from = (this.globe ? this.settled : this.eye).toArray();
+    if (this.globe) this.speed_mps = Math.min(Math.max(kHeights_ps * this.ground_distance_m, kSlowest_mps), kFastest_mps);
     const wanted = new THREE.Vector3();
     for (const code of this.held) {
       const key = kKeys[code];
@@ -90,7 +119,9 @@ export class Controls {
     const share = Math.min(1, Math.max(kFirstStep_m, kGrowth * this.stepped_m) / wanted_m); // of nothing: 1
     this.move(this.velocity.x * seconds * share, this.velocity.y * seconds * share, this.velocity.z * seconds * share, up);
     this.carryOn(up);
+    this.globe?.hands.step(seconds);
     this.eye.fromArray(sweep(from, this.eye.toArray()));
+    this.settled.copy(this.eye);
     this.stepped_m = Math.hypot(...from.map((v, i) => this.eye.getComponent(i) - v));
   }
 
@@ -103,15 +134,21 @@ export class Controls {
   }
 
   private move(right_m: number, ahead_m: number, up_m: number, up: THREE.Vector3): void {
-    const [east, north] = basisAt(up);
+    const [east, north] = basisAt(up, this.pole);
     const { heading } = this.look;
     if (right_m === 0 && ahead_m === 0 && up_m === 0) return;
+    if (this.globe) return this.setView(fly(this, this.globe.body, right_m, ahead_m, up_m));
     this.eye
       .addScaledVector(east, Math.cos(heading) * right_m)
       .addScaledVector(north, -Math.sin(heading) * right_m)
-      .addScaledVector(forwardOf(this.look, up), ahead_m)
+      .addScaledVector(forwardOf(this.look, up, this.pole), ahead_m)
       .addScaledVector(up, up_m)
       .clamp(this.low, this.high);
+  }
+
+  private setView({ eye, look }: { eye: THREE.Vector3; look: Look }): void {
+    this.eye.copy(eye);
+    this.look = look;
   }
 
   private carryOn(up: THREE.Vector3): void {
@@ -129,6 +166,7 @@ export class Controls {
     this.canvas.setPointerCapture(event.pointerId);
     this.fingers.set(event.pointerId, [event.clientX, event.clientY]);
     this.onTakeOver();
+    if (this.globe) this.pressGlobe(this.globe.hands, event);
   }
 
   private drag(event: PointerEvent): void {
@@ -136,9 +174,28 @@ export class Controls {
     if (!before) return;
     const now: [number, number] = [event.clientX, event.clientY];
     const [dx, dy] = [now[0] - before[0], now[1] - before[1]];
+    if (this.globe) return this.dragGlobe(this.globe.hands, event.pointerId, now);
     if (this.fingers.size === 2) this.dragTwo(event.pointerId, before, now);
     if (this.fingers.size === 1) this.turn(dx, dy);
     this.fingers.set(event.pointerId, now);
+  }
+
+  // Of two fingers that pinched, the other one drags.
+  private release(event: PointerEvent): void {
+    if (!this.fingers.delete(event.pointerId)) return;
+    const [rest] = [...this.fingers.values()];
+    if (this.globe && rest) this.globe.hands.press(...rest, false);
+  }
+  private pressGlobe(hands: GlobeHands, event: PointerEvent): void {
+    const [one, other] = [...this.fingers.values()];
+    if (other) hands.pinchFrom(one!, other);
+    else hands.press(event.clientX, event.clientY, event.button !== 0 || event.ctrlKey || event.shiftKey);
+  }
+  private dragGlobe(hands: GlobeHands, id: number, now: [number, number]): void {
+    this.fingers.set(id, now);
+    const [one, other] = [...this.fingers.values()];
+    if (other) hands.pinchTo(one!, other);
+    else hands.move(...now);
   }
 
   private turn(dx: number, dy: number): void {
@@ -164,6 +221,10 @@ export class Controls {
 
   private turnWheel(event: WheelEvent): void {
     event.preventDefault();
+    if (this.globe) {
+      this.onTakeOver();
+      return this.globe.hands.wheel(event.clientX, event.clientY, event.deltaMode === 1 ? 33 * event.deltaY : event.deltaY);
+    }
     this.speed_mps = Math.min(Math.max(this.speed_mps * 1.0012 ** -event.deltaY, 0.01), 20000);
     this.onSpeed();
   }

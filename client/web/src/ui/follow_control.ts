@@ -226,7 +226,7 @@ export class FollowControl {
 
 // Files are in longitude and latitude, unless they name another system; overlays have been refused then that is not the scene's.
 function mapOf(json: unknown, { frame, crs }: Scene): TrackMap {
-  if (frame === 'geographic') return { is_degrees: true, toPlace: (lon, lat) => ({ lon, lat }) };
+  if (frame !== 'planar') return { is_degrees: true, toPlace: (lon, lat) => ({ lon, lat }) };
   if (typeof json === 'object' && json !== null && 'crs' in json) return { is_degrees: false, toPlace: (easting, northing) => ({ easting, northing }) };
   const toMap = toMapOf(crs);
   if (!toMap) throw new Error(`The page cannot bring a track to the scene's map, ${titleOf(crs)}.`);

@@ -86,7 +86,7 @@ export class LabelControl {
     if (this.is_asking || names.length === 0 || at === this.asked_at || now_ms - this.asked_ms < kAskEvery_ms || !terrain.isConnected) return;
     [this.is_asking, this.asked_ms, this.asked_at] = [true, now_ms, at];
     ++this.asked;
-    const from = terrain.toGeodetic(eye), refraction = terrain.scene.frame === 'geographic' ? 0 : 1; // as the picture is drawn
+    const from = terrain.toGeodetic(eye), refraction = terrain.scene.frame === 'planar' ? 1 : 0; // as the picture is drawn
     terrain.visible(names.map((name) => [from, terrain.toGeodetic(name.above)] as const), { refraction })
       .then((sights) => sights.forEach(({ isSeen }, i) => (names[i]!.is_seen = isSeen)), () => (this.asked_at = '')) // asked again with the next frame
       .finally(() => (this.is_asking = false));

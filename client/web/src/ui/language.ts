@@ -68,6 +68,12 @@ const kTable: Record<string, readonly [de: string, fr: string, es: string]> = {
   'The wheel sets the speed, shift-click and V show what is seen': ['Rad: Tempo, Umschalt-Klick und V: was man sieht', 'Molette : vitesse, Maj-clic et V : ce qui se voit', 'Rueda: velocidad, May\u00fas-clic y V: lo que se ve'],
   'One finger looks around': ['Ein Finger: umsehen', 'Un doigt : regarder autour', 'Un dedo: mirar alrededor'],
   'Two fingers carry you over the ground': ['Zwei Finger: \u00fcber den Boden gleiten', 'Deux doigts : glisser au-dessus du sol', 'Dos dedos: deslizarse sobre el suelo'],
+  'Latitude, longitude': ['Breite, L\u00e4nge', 'Latitude, longitude', 'Latitud, longitud'],
+  'Drag the ground, the wheel nears what you point at': ['Boden ziehen, das Rad n\u00e4hert sich dem Gezeigten', 'Tirez le sol, la molette approche ce que vous pointez', 'Arrastra el suelo, la rueda acerca lo que se\u00f1alas'],
+  'The right button tilts, beside the ground you look around': ['Rechte Taste: neigen, neben dem Boden: umsehen', 'Bouton droit : incliner, hors du sol : regarder autour', 'Bot\u00f3n derecho: inclinar, fuera del suelo: mirar'],
+  'One finger drags the ground': ['Ein Finger zieht den Boden', 'Un doigt tire le sol', 'Un dedo arrastra el suelo'],
+  'Pinch to near it, twist to turn': ['Spreizen: n\u00e4hern, drehen: wenden', '\u00c9carter : approcher, tourner : pivoter', 'Separar: acercar, girar: rotar'],
+  'Two fingers up or down tilt': ['Zwei Finger auf und ab: neigen', 'Deux doigts de haut en bas : incliner', 'Dos dedos arriba o abajo: inclinar'],
   'Pinch to fly ahead': ['Spreizen: voraus fliegen', '\u00c9carter : avancer', 'Separar: avanzar'],
 };
 

@@ -69,7 +69,7 @@ export class OverlayControl {
     const terrain = this.stage.terrain();
     if (!terrain?.hasScene) throw new Error('There is no scene yet to lay it on.');
     const { frame, crs } = terrain.scene;
-    const overlay = await inWorker('read', { name, bytes, map: { is_geographic: frame === 'geographic', crs } });
+    const overlay = await inWorker('read', { name, bytes, map: { is_geographic: frame !== 'planar', crs } });
     const parts = await runInSlices(onLattice(terrain, overlay.features));
     if (!isWithin(terrain, parts)) throw new Error(await outsideText(terrain, overlay));
     const shown: Shown = { overlay, is_shown: true, parts, marks: await marksOf(terrain, overlay) };
@@ -169,7 +169,7 @@ function addressOf(text: string): URL {
 
 async function outsideText(terrain: Terrain, { name, features }: Overlay): Promise<string> {
   const exchanged = features.map((feature) => ({ ...feature, parts: feature.parts.map((part) => part.map((_, i) => part[i ^ 1]!)) }));
-  const is_exchanged = terrain.scene.frame === 'geographic' && isWithin(terrain, await runInSlices(onLattice(terrain, exchanged)));
+  const is_exchanged = terrain.scene.frame !== 'planar' && isWithin(terrain, await runInSlices(onLattice(terrain, exchanged)));
   return is_exchanged ? `${name} lies outside of this scene: its axes seem to be exchanged, GeoJSON has longitude first.` : `${name} lies outside of this scene.`;
 }
 

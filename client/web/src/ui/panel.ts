@@ -64,6 +64,7 @@ export class Panel {
   private readonly legend = element('div', 'legend');
   private readonly sun_rows: Record<'clock' | 'free', HTMLElement[]> = { clock: [], free: [] };
   private readonly colours = document.createElement('select');
+  private readonly flat_rows: HTMLElement[] = []; // of what there is not on globes
   private readonly colour_rows: HTMLElement[] = [];
   private readonly layer_rows: Partial<Record<'relief' | 'shadows' | 'imagery', HTMLElement>> = {};
   private heights_legend: { gradient: string; words: string[] } = { gradient: '', words: [] };
@@ -151,11 +152,11 @@ export class Panel {
     layer_rows.shadows = form.switch(body, 'Cast shadows', 'shadows', boundTo(settings, 'shadows'));
     form.switch(body, 'Contours', 'contours', boundTo(settings, 'contours'));
     form.switch(body, 'Haze', 'fog', boundTo(settings, 'fog'));
-    form.slider(body, 'Heights', 'exaggeration', boundTo(settings, 'exaggeration'), {
+    this.flat_rows.push(form.slider(body, 'Heights', 'exaggeration', boundTo(settings, 'exaggeration'), {
       range: [-1, Math.log2(kExaggerations.most), 0.01], toValue: (v) => Math.round(20 * 2 ** v) / 20, toPosition: Math.log2, text: (v) => `\u00d7 ${Number(v.toFixed(2))}`,
-    });
+    }));
     form.switch(body, 'Names', 'labels', boundTo(settings, 'labels'));
-    form.switch(body, 'Map', 'map', boundTo(settings, 'map'));
+    this.flat_rows.push(form.switch(body, 'Map', 'map', boundTo(settings, 'map')));
   }
 
   // The rows of OverlayControl, and where a file is opened.
@@ -167,9 +168,9 @@ export class Panel {
   }
 
   private addFlight(speed_mps: Bound<number>): void {
-    this.form.slider(this.body, 'Speed', 'speed', speed_mps, {
+    this.flat_rows.push(this.form.slider(this.body, 'Speed', 'speed', speed_mps, {
       range: [-2, 4.3, 0.05], toValue: (v) => 10 ** v, toPosition: Math.log10, text: (v) => `${metresText(v)}/s`,
-    });
+    }));
     this.form.slider(this.body, 'Quality', 'quality', boundTo(this.settings, 'tau_px'), {
       range: [-2, 2, 1], toValue: (v) => 2 ** -v, toPosition: (tau_px) => -Math.log2(tau_px), text: qualityText,
     });
@@ -211,6 +212,7 @@ export class Panel {
     for (const row of this.sun_rows.clock) row.hidden = !is_clock;
     for (const row of this.sun_rows.free) row.hidden = sun === 'map' || is_clock;
     for (const row of this.colour_rows) row.hidden = ground !== 'heights';
+    for (const row of this.flat_rows) row.hidden = this.scene?.frame === 'globe';
     this.snow_row.hidden = ground !== 'natural';
     this.showLegend();
   }

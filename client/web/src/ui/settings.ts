@@ -2,6 +2,7 @@
 import { kBlends, kPredictors, kStrategies, type Blend, type Predictor, type Strategy } from '@foreland/client';
 import { kGrounds, type Ground } from '@foreland/client/three';
 import { kExaggerations } from '../draw/exaggeration';
+import { readAt, type PlaceView } from '../globe/place_text';
 import { kSunModes, type SunSettings } from './sun';
 
 export const kTours = ['survey', 'canyon', 'spin', 'orbit'] as const;
@@ -37,6 +38,8 @@ export interface Address {
   server: string; // ws://... or wss://...
   token: string | null; // for a server that asks for one
   view: number[] | null; // x, y, z in metres, heading, pitch in degrees
+  at: PlaceView | null; // the same of a scene on the earth
+  tells_clock: boolean; // the day or the hour of the sun
   overlays: string[]; // addresses of files that lie on the ground
   anisotropy: number | null; // of pictures; null: what the graphics card does cheaply
   sharpness: number; // most device pixels per page pixel
@@ -131,6 +134,8 @@ export function readAddress(location: Location, server: string): Address {
     server,
     token,
     view: view?.length === 5 && view.every(Number.isFinite) ? view : null,
+    at: readAt(query.get('at')),
+    tells_clock: query.has('day') || query.has('hour'),
     overlays: query.getAll('overlay').slice(0, kMaxOverlays),
     anisotropy: query.has('anisotropy') ? numberIn(query, 'anisotropy', 1, 16, 1) : null,
     sharpness: numberIn(query, 'sharpness', 0.25, 3, 2),

@@ -56,7 +56,7 @@ export class SightControl {
 
   private run(work: (terrain: Terrain) => Promise<void>): void {
     const terrain = this.stage.terrain();
-    if (!terrain?.hasScene) return;
+    if (!terrain?.hasScene || terrain.scene.frame === 'globe') return; // of which servers do not know who sees what
     work(terrain).catch((error: unknown) => this.stage.say(reasonOf(error)));
   }
 

@@ -1,10 +1,11 @@
-// The first view of a scene: from above the relief across the most prominent ground among the scene's landmarks.
+// The first view of a scene: the whole of a globe; else from above the relief across the most prominent ground among the scene's landmarks.
 import type { Look } from './camera';
 import type { Scene } from '@foreland/client';
 
 const kHeadings = 16;
 
 export function startView(scene: Scene): { eye: [number, number, number]; look: Look } {
+  if (scene.frame === 'globe') return wholeGlobe(scene);
   const { low, high } = scene.bounds;
   const middle = [0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1])] as const;
   const across_m = Math.hypot(high[0] - low[0], high[1] - low[1]);
@@ -16,6 +17,13 @@ export function startView(scene: Scene): { eye: [number, number, number]; look: 
   const fall_m = eye[2] - (low[2] + 0.6 * (target[2]! - low[2]));
   const pitch = -Math.atan2(fall_m, Math.hypot(target[0]! - eye[0], target[1]! - eye[1]));
   return { eye, look: { heading, pitch } };
+}
+
+// Of a globe: all of it, from above the equator.
+const kAway = 4.1; // of its radius, from its middle
+const kBegin_rad = (15 * Math.PI) / 180; // of longitude: Europe and Africa, on the earth
+function wholeGlobe({ bounds: { high } }: Scene): ReturnType<typeof startView> {
+  return { eye: [Math.cos(kBegin_rad) * kAway * high[0], Math.sin(kBegin_rad) * kAway * high[0], 0], look: { heading: 0, pitch: -Math.PI / 2 } };
 }
 
 // The more of the scene lies ahead, the better; with the sun in the north-west, a look northward shows the slopes best.

@@ -1,12 +1,16 @@
-// Where the sun is: as maps are lit by custom, by the time of day and the date where a scene is on the earth, or as chosen.
+// Where the sun is: as maps are lit by custom, by the time of day and the date where a scene is on the earth, or as chosen. Over a globe: as
+// maps would be lit where the camera is, by date and hour (UTC), or as chosen where the camera is.
 import type { Scene } from '@foreland/client';
+import * as THREE from 'three';
+import { sunOverEarth } from '../globe/sun_position';
+import { basisAt, kAxis } from './camera';
 
 export const kSunModes = ['map', 'clock', 'free'] as const;
 export type SunMode = (typeof kSunModes)[number];
 
 export interface SunSettings {
   sun: SunMode;
-  sun_hour: number; // mean solar time at the scene's origin
+  sun_hour: number; // mean solar time at the scene's origin; of a globe UTC
   sun_day: number; // of the year, from 1
   sun_azimuth_deg: number; // clockwise from north
   sun_height_deg: number; // above the horizon
@@ -39,6 +43,14 @@ export function sunByClock(day: number, hour: number, origin_latitude: number): 
   const [x, y, z] = [Math.cos(declination) * Math.cos(angle), -Math.cos(declination) * Math.sin(angle), Math.sin(declination)];
   const [s, c] = [Math.sin(origin_latitude), Math.cos(origin_latitude)];
   return [y, c * z - s * x, s * z + c * x];
+}
+
+// Of a camera over a globe, with the ellipsoid's normal.
+export function sunOverGlobe(settings: SunSettings, up: THREE.Vector3): Direction {
+  if (settings.sun === 'clock') return sunOverEarth(settings.sun_day, settings.sun_hour);
+  const local = settings.sun === 'free' ? towards(settings.sun_azimuth_deg, settings.sun_height_deg) : kMap;
+  const axes = basisAt(up, kAxis);
+  return new THREE.Vector3().addScaledVector(axes[0], local[0]).addScaledVector(axes[1], local[1]).addScaledVector(axes[2], local[2]).toArray();
 }
 
 export function sunDirection(settings: SunSettings, scene: Scene | null): Direction {

@@ -56,7 +56,7 @@ export class WaypointControl {
   take(json: unknown): boolean {
     const found = tourIn(json), terrain = this.stage.terrain();
     if (!found || !terrain?.hasScene) return false;
-    if (('lat' in found.waypoints[0]!.place) !== (terrain.scene.frame === 'geographic')) throw new Error('The tour is of another map than the scene.');
+    if (('lat' in found.waypoints[0]!.place) !== (terrain.scene.frame !== 'planar')) throw new Error('The tour is of another map than the scene.');
     this.seconds = found.seconds;
     this.open(true);
     this.change(waypointsOf(terrain, found.waypoints));
@@ -95,7 +95,7 @@ export class WaypointControl {
     this.length.textContent = this.slider.ariaValueText = `${this.duration_s} s`;
     this.slider.value = String(Math.log(this.duration_s / kShortest_s) / Math.log(kLongest_s / kShortest_s));
     this.buttons.play.disabled = this.buttons.json.disabled = this.buttons.kml.disabled = count < 2;
-    this.buttons.kml.hidden = this.stage.terrain()?.hasScene === true && this.stage.terrain()!.scene.frame !== 'geographic';
+    this.buttons.kml.hidden = this.stage.terrain()?.hasScene === true && this.stage.terrain()!.scene.frame === 'planar';
     this.buttons.clear.disabled = count === 0;
   }
 

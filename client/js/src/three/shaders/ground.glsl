@@ -1,16 +1,18 @@
 // The colour of the ground: as it may look, by the picture that is laid over it, or by what is known of it.
 in vec2 v_lattice;              // position on the lattice, from the pivot
 in vec3 v_normal;               // of the mesh, in the scene's axes
-in vec3 v_texture_coordinate;   // x, y from the mesh's origin; height
+in vec3 v_up;                   // away from the zero surface; of any length
+in vec4 v_texture_coordinate;   // from the mesh's origin; height
 in float v_moved;               // metres upwards since the first epoch
 uniform vec3 u_palette[6];    // from the lowest ground to the highest
 uniform vec3 u_rock;
 uniform vec3 u_snow;
-uniform vec2 u_origin_tile;   // the mesh's origin, modulo a whole number of noise periods
+uniform vec3 u_origin_tile;   // the mesh's origin, modulo a whole number of noise periods
 uniform float u_noise_m;      // coarsest wavelength of the ground's mottling
 uniform float u_contour_m;    // 0: none
 uniform float u_snow_line;    // from 0, the lowest ground, to 1, the highest
 uniform float u_change_m;     // that has the strongest colours
+uniform int u_has_sea;        // what is lower than 0 lies under water
 uniform vec3 u_north;         // the earth's axis, or north on the map
 
 float hash(ivec2 p) {
@@ -43,6 +45,20 @@ float mottling(vec2 position, float pixel_m) {
   return sum;
 }
 
+// On a globe by the planes that its axes stand on, mixed where they meet.
+float mottlingHere(vec3 up, float pixel_m) {
+  vec3 at = v_texture_coordinate.xyz + u_origin_tile;
+  if (u_frame != 2) return mottling(at.xy, pixel_m);
+  vec3 weights = up * up * up * up;
+  weights *= weights;
+  weights /= weights.x + weights.y + weights.z;
+  float sum = 0.0;
+  if (weights.x > 0.01) sum += weights.x * mottling(at.yz, pixel_m);
+  if (weights.y > 0.01) sum += weights.y * mottling(at.zx, pixel_m);
+  if (weights.z > 0.01) sum += weights.z * mottling(at.xy, pixel_m);
+  return sum;
+}
+
 vec3 hypsometric(float t) {
   float at = clamp(t, 0.0, 1.0) * 5.0;
   int i = min(int(at), 4);
@@ -60,7 +76,8 @@ float contour(float height) {
 
 // Away from the zero surface, where the ground is.
 vec3 upAt(vec2 lattice) {
-  return u_is_geographic == 1 ? geographicNormal(vec2(0.0), lattice) : vec3(0.0, 0.0, 1.0);
+  if (u_frame == 2) return normalize(v_up);
+  return u_frame == 1 ? geographicNormal(vec2(0.0), lattice) : vec3(0.0, 0.0, 1.0);
 }
 
 vec3 slopeColour(float degrees) {
@@ -91,11 +108,18 @@ vec3 changeColour(float share) {
   return 0.5 * mix(kColours[i], kColours[i + 1], at - float(i));
 }
 
+// Under water, by its depth.
+vec3 seaColour(float depth_m) {
+  return mix(vec3(0.020, 0.075, 0.110), vec3(0.004, 0.017, 0.050), 1.0 - exp(-depth_m / 1800.0));
+}
+
 vec3 groundColour(vec3 normal, float height, float pixel_m) {
+  vec3 up = u_frame == 2 ? normalize(v_up) : u_up;
+  if (u_has_sea == 1 && height < 0.0) return seaColour(-height);
   float span = max(u_heights.y - u_heights.x, 1e-3);
-  float mottle = mottling(v_texture_coordinate.xy + u_origin_tile, pixel_m);
+  float mottle = mottlingHere(up, pixel_m);
   float t = (height - u_heights.x) / span;
-  float steepness = 1.0 - dot(normal, u_up);
+  float steepness = 1.0 - dot(normal, up);
   vec3 colour = hypsometric(t + 0.16 * mottle) * (1.0 + 0.55 * mottle);
   float strata = 0.10 * sin(height / span * 190.0 + 6.0 * mottle) * clamp(span / (400.0 * pixel_m), 0.0, 1.0);
   vec3 rock = u_rock * (1.0 + 0.5 * mottle + strata);
