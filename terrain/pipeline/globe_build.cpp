@@ -130,7 +130,7 @@ Result<BuildReport> buildGlobe(const GlobeSource& source, const GlobeOptions& op
   SceneOrigin origin{.title = info.title, .crs_wkt = {}, .notes = info.notes, .voids_filled = info.voids_filled};
   auto report = buildSparseScene({*grid, frame, std::move(pages), height},
                                  {options.output, options.threads, std::move(origin),
-                                  datumOf(info, *grid, *residuals_m, options.height_quantum_m)},
+                                  datumOf(info, *grid, *residuals_m, options.height_quantum_m), options.page_coding},
                                  progress);
   if (report.ok()) report->warnings = info.warnings;
   return report;

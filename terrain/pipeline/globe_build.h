@@ -15,6 +15,7 @@ struct GlobeOptions {
   std::filesystem::path output;
   double height_quantum_m = 0.1;  // heights become whole quanta: each moves by at most half of one
   unsigned threads = 0;           // 0: one per processor
+  PageCoding page_coding = PageCoding::kPlain;
 };
 
 // How fine a globe is: faces of 2^whole_log2 steps a side everywhere, of 2^deepest_log2 where the finest inset is, the
