@@ -190,8 +190,8 @@ void print(const std::string& path, const terrain::Scene& scene) {
   else
     std::printf("hierarchy  %d levels, %" PRIu64 " nodes\n", scene.grid().maxLevel(), nodeCount(scene));
   if (scene.coded())
-    std::printf("pages      coded, %.1f MB, %.2f bits a sample\n", static_cast<double>(scene.coded()->codedBytes()) * 1e-6,
-                pageBits(scene));
+    std::printf("pages      coded, %.1f MB, %.2f bits a sample\n",
+                static_cast<double>(scene.coded()->codedBytes()) * 1e-6, pageBits(scene));
   std::printf("heights    %.3f to %.3f m, multiples of %g m\n", scene.heightRange().lowest * quantum_m,
               scene.heightRange().highest * quantum_m, quantum_m);
   apps::printVertical(scene);

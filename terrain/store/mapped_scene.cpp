@@ -21,7 +21,8 @@ Result<std::shared_ptr<const MappedScene>> MappedScene::of(ByteSpan bytes, const
   if (Status frame = getFrame(*header).validate(grid->maxX(), grid->maxY()); !frame.ok())
     return damagedFile(name, frame.error().message);
   std::shared_ptr<MappedScene> scene(new MappedScene(bytes, std::move(owner), *header, *grid));
-  if (const Status status = scene->adopt(page_cache_bytes); !status.ok()) return damagedFile(name, status.error().message);
+  if (const Status status = scene->adopt(page_cache_bytes); !status.ok())
+    return damagedFile(name, status.error().message);
   return std::shared_ptr<const MappedScene>(std::move(scene));
 }
 

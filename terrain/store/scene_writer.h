@@ -27,9 +27,9 @@ class SceneWriter {
     Bytes objects{};  // terrain/objects encodes this section of the file.
     Bytes epochs{};   // epoch_section.h encodes this section of the file.
     proto::EpochBlend epoch_blend = proto::EpochBlend::kLinear;
-    SceneDatum datum{};                  // Written if it is stated.
+    SceneDatum datum{};  // Written if it is stated.
     PageCoding page_coding = PageCoding::kPlain;
-    unsigned threads = 0;  // that code pages; 0: one per processor
+    unsigned threads = 0;                // that code pages; 0: one per processor
     const TileSection* tiles = nullptr;  // A scene without tiles has none; create() alone reads it.
     // The pages that are there of the sparse levels (proto::blocksOf); create() alone reads it.
     std::span<const proto::PageBlock> pages{};
@@ -50,8 +50,8 @@ class SceneWriter {
   void release(std::span<const NodeRecord> nodes) const;
 
   // Codes the pages if they are to be, writes checksums and header, flushes the file to the disk and gives it its name.
-  // Returns the scene's id. Must be called once, when nodes, corners and centres are filled; nothing of the above may be
-  // called afterwards but fileBytes(). While pages are coded both files are on the disk.
+  // Returns the scene's id. Must be called once, when nodes, corners and centres are filled; nothing of the above may
+  // be called afterwards but fileBytes(). While pages are coded both files are on the disk.
   Result<uint64_t> finish();
 
  private:

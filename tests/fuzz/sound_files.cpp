@@ -43,8 +43,11 @@ SoundFile sceneFile(uint32_t side, proto::FrameKind kind, std::vector<terrain::O
   const TemporaryFolder folder;
   FormulaSource source(side, side, hills(1), kind);
   source.info().crs_wkt = "ENGCRS[\"nowhere\"]";
-  const auto built = terrain::buildScene(
-      source, {.output = folder / "scene.fls", .height_quantum_m = 0.1, .threads = 1, .page_coding = page_coding, .objects = std::move(objects)});
+  const auto built = terrain::buildScene(source, {.output = folder / "scene.fls",
+                                                  .height_quantum_m = 0.1,
+                                                  .threads = 1,
+                                                  .page_coding = page_coding,
+                                                  .objects = std::move(objects)});
   CHECK_TRUE(built.ok());
   return SoundFile(readWhole(folder / "scene.fls"));
 }

@@ -27,10 +27,11 @@ Result<std::unique_ptr<CodedPages>> CodedPages::open(const CodedTerrain& terrain
   if (!made->start_.decode(coded.start()))
     return Error{ErrorCode::kMalformed, "it does not say how its pages are coded"};
   made->reserveModels();
-  auto cache = PageCache::create({.bytes = pages * proto::kPageSlots * sizeof(proto::NodeRecord),
-                                  .group_bytes = kGroupBytes,
-                                  .cache_bytes = page_cache_bytes},
-                                 [self = made.get()](uint64_t group, std::span<uint8_t> out) { self->inflate(group, out); });
+  auto cache =
+      PageCache::create({.bytes = pages * proto::kPageSlots * sizeof(proto::NodeRecord),
+                         .group_bytes = kGroupBytes,
+                         .cache_bytes = page_cache_bytes},
+                        [self = made.get()](uint64_t group, std::span<uint8_t> out) { self->inflate(group, out); });
   if (!cache) return cache.error();
   made->cache_ = std::move(*cache);
   const std::span<const uint8_t> bytes = made->cache_->bytes();

@@ -1,6 +1,6 @@
-// The records of a scene whose pages are coded (group_codec.h), as the array that they are in a scene whose are not: what
-// is touched is inflated, into memory of a bounded size (page_cache.h). docs/SCENE_FORMAT.md describes the section.
-// Immutable for those who read; any thread.
+// The records of a scene whose pages are coded (group_codec.h), as the array that they are in a scene whose are not:
+// what is touched is inflated, into memory of a bounded size (page_cache.h). docs/SCENE_FORMAT.md describes the
+// section. Immutable for those who read; any thread.
 #pragma once
 
 #include <atomic>
@@ -66,7 +66,7 @@ class CodedPages {
   ModelStart start_;
   std::unique_ptr<PageCache> cache_;
   std::atomic<uint64_t> damaged_{0};
-  std::mutex mutex_;  // of the models
+  std::mutex mutex_;                           // of the models
   std::unique_ptr<std::byte[]> model_memory_;  // not all of it is ever touched
   std::vector<PageModel*> free_models_;
 };

@@ -91,8 +91,8 @@ class GroupCoder {
   // `records` are those of the page; a decoder fills them. `nodes` knows those before it.
   void codePage(Slot first, const GroupNodes& nodes, std::span<NodeRecord> records, bool is_encoder) {
     const int level = levelOf(first);
-    const bool is_verbatim = coder_.code(model_.is_verbatim[was_verbatim_ ? 1 : 0],
-                                         is_encoder && !isAsBuilt(first, level, nodes, records));
+    const bool is_verbatim =
+        coder_.code(model_.is_verbatim[was_verbatim_ ? 1 : 0], is_encoder && !isAsBuilt(first, level, nodes, records));
     was_verbatim_ = is_verbatim;
     if (is_verbatim) return codeVerbatim(records);
     proto::QuantisedRadius radius;
@@ -158,7 +158,8 @@ class GroupCoder {
   }
 
   int32_t codeHeight(const Known& known, int32_t height) {
-    if (known.copy) return inRange(int64_t{*known.copy} + symbols_.number(model_.copied_height, 0, height - *known.copy));
+    if (known.copy)
+      return inRange(int64_t{*known.copy} + symbols_.number(model_.copied_height, 0, height - *known.copy));
     const auto& around = known.heights;
     const auto spread = static_cast<uint32_t>(
         std::min<int64_t>(2 * int64_t{around.parent_magnitude} + std::abs(int64_t{around.apex_difference}), 1 << 30));
@@ -202,7 +203,7 @@ class GroupCoder {
     const proto::Frame& f = terrain_.frame;
     if (f.kind == proto::FrameKind::kPlanar) return 0;
     const double step_m = f.semi_major_m * (f.kind == proto::FrameKind::kGlobe ? 1.5707963 / f.face_steps
-                                                                                : std::abs(f.latitude_step_rad));
+                                                                               : std::abs(f.latitude_step_rad));
     const double edge_m = step_m * static_cast<double>(2u << ((terrain_.grid.maxLevel() - level) / 2));
     return edge_m * edge_m * (level % 2 == 1 ? 1 : 2) / (8 * f.semi_major_m);
   }

@@ -1,6 +1,6 @@
-// Pages of a scene as few bits: groups of kGroupPages pages, each coded by the wire's adaptive range coder (proto/codec)
-// with what is known of a node's neighbours on coarser levels as context. Lossless for any records: a page that is not
-// as the builder makes pages is kept as it is.
+// Pages of a scene as few bits: groups of kGroupPages pages, each coded by the wire's adaptive range coder
+// (proto/codec) with what is known of a node's neighbours on coarser levels as context. Lossless for any records: a
+// page that is not as the builder makes pages is kept as it is.
 //
 //   height   its difference from what a quadratic surface through the neighbours would have, as in deltas; beyond the
 //            data, from what the builder makes it

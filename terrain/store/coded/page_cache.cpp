@@ -1,6 +1,7 @@
 #include "terrain/store/coded/page_cache.h"
 
 #include <sys/mman.h>
+#include <sys/syscall.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -19,6 +20,13 @@ namespace {
 Error fromSystem(const char* what) {
   return {ErrorCode::kLimit, std::string("the page cache: ") + what + ": " + std::strerror(errno) +
                                  "; give it less (--page-cache-mib), or build the scene with --pages plain"};
+}
+
+// Replaces what is mapped at an address, at once for all threads. By the system call itself, for ThreadSanitizer takes
+// mmap() for a write to what others then read.
+void mapOver(void* at, uint64_t bytes, int protection, int flags, int file, uint64_t offset) {
+  const auto mapped = ::syscall(SYS_mmap, at, bytes, protection, flags | MAP_FIXED, file, static_cast<off_t>(offset));
+  CHECK_EQ(reinterpret_cast<void*>(mapped), at);
 }
 
 // Each held group may split the addresses around it in two.
@@ -49,8 +57,8 @@ Status PageCache::reserve() {
   const uint64_t groups = (size_.bytes + size_.group_bytes - 1) / size_.group_bytes;
   const uint64_t wanted = std::max(size_.cache_bytes, leastBytes(size_.group_bytes)) / size_.group_bytes;
   // No more than there are groups, and those that threads hold while they inflate.
-  const uint64_t frames =
-      std::min({wanted, groups + leastBytes(size_.group_bytes) / size_.group_bytes, std::max<uint64_t>(mostFrames(), 1)});
+  const uint64_t frames = std::min(
+      {wanted, groups + leastBytes(size_.group_bytes) / size_.group_bytes, std::max<uint64_t>(mostFrames(), 1)});
   reserved_ = std::max<uint64_t>(groups, 1) * size_.group_bytes;
   void* data = ::mmap(nullptr, reserved_, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
   if (data == MAP_FAILED) return fromSystem("no addresses for the scene's pages");
@@ -94,8 +102,8 @@ void PageCache::onTouch(uintptr_t address) {
   if (wake(group)) return;
   const uint64_t most_threads = std::max<uint64_t>(frames_.size() / kFramesForAThread, 1);
   if (inflating == 0)
-    for (uint64_t now = threads_inflating_; now >= most_threads || !threads_inflating_.compare_exchange_weak(now, now + 1);
-         now = threads_inflating_)
+    for (uint64_t now = threads_inflating_;
+         now >= most_threads || !threads_inflating_.compare_exchange_weak(now, now + 1); now = threads_inflating_)
       std::this_thread::yield();
   ++inflating;
   makeReadable(group);
@@ -143,8 +151,7 @@ uint32_t PageCache::evictTheOldest() {
   if (frame == kNone) return kNone;
   dequeue(from, frame);
   const uint64_t group = frames_[frame].group;
-  void* at = addressOf(group);
-  CHECK_EQ(::mmap(at, size_.group_bytes, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE | MAP_FIXED, -1, 0), at);
+  mapOver(addressOf(group), size_.group_bytes, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
   frame_of_[group] = kNone;
   --counts_.held;
   ++counts_.evicted;
@@ -155,10 +162,8 @@ void PageCache::publish(uint64_t group, uint32_t frame) {
   const std::lock_guard lock(mutex_);
   ++counts_.inflated;
   if (frame_of_[group] != kNone) return free_.push_back(frame);  // it has the capacity
-  void* at = addressOf(group);
-  CHECK_EQ(::mmap(at, size_.group_bytes, PROT_READ, MAP_SHARED | MAP_FIXED | MAP_POPULATE, memory_,
-                  static_cast<off_t>(frame * size_.group_bytes)),
-           at);
+  mapOver(addressOf(group), size_.group_bytes, PROT_READ, MAP_SHARED | MAP_POPULATE, memory_,
+          uint64_t{frame} * size_.group_bytes);
   frame_of_[group] = frame;
   frames_[frame].group = group;
   frames_[frame].is_resting = false;

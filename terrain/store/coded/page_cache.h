@@ -1,5 +1,5 @@
-// The groups of pages that were touched last, inflated, at the addresses where they would be if all were: readers have a
-// plain array, of which the parts that are not held cannot be read and are inflated by whoever touches one
+// The groups of pages that were touched last, inflated, at the addresses where they would be if all were: readers have
+// a plain array, of which the parts that are not held cannot be read and are inflated by whoever touches one
 // (touch_regions.h). So a reader pays nothing for the cache, holds nothing while it reads, and never sees a part that
 // is half there or that belongs to another group: the system takes the address away from all threads before the memory
 // behind it is used again, and a load that comes later makes the group anew.
@@ -29,8 +29,8 @@ namespace foreland::terrain {
 
 class PageCache final : public TouchOwner {
  public:
-  // Fills the bytes of a group; the last group may be short. Called by several threads at once, in a signal handler; may
-  // read groups of smaller numbers from the cache.
+  // Fills the bytes of a group; the last group may be short. Called by several threads at once, in a signal handler;
+  // may read groups of smaller numbers from the cache.
   using Inflate = std::function<void(uint64_t group, std::span<uint8_t> out)>;
 
   struct Size {
@@ -96,11 +96,11 @@ class PageCache final : public TouchOwner {
 
   std::atomic<uint64_t> threads_inflating_{0};
 
-  mutable std::mutex mutex_;           // of all below
+  mutable std::mutex mutex_;        // of all below
   std::vector<uint32_t> frame_of_;  // by group; kNone if it is not held
   std::vector<Frame> frames_;
   std::vector<uint32_t> free_;
-  Queue active_, resting_;             // frames whose groups can be read, and those whose cannot
+  Queue active_, resting_;  // frames whose groups can be read, and those whose cannot
   Counts counts_;
   std::unique_ptr<TouchRegion> region_;
 };

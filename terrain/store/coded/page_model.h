@@ -1,6 +1,6 @@
-// What a coder of pages knows of the numbers that it codes (group_codec.h): one probability for each context. Those of a
-// scene start where its pages want them, which the scene file says, so that a group of few pages is coded nearly as well
-// as the whole. Plain data.
+// What a coder of pages knows of the numbers that it codes (group_codec.h): one probability for each context. Those of
+// a scene start where its pages want them, which the scene file says, so that a group of few pages is coded nearly as
+// well as the whole. Plain data.
 #pragma once
 
 #include <array>
@@ -22,8 +22,8 @@ struct PageModel {
   std::array<proto::AdaptiveBit, 2> is_verbatim;  // by whether the page before was
   std::array<proto::AdaptiveBit, 128> radius;
   std::array<proto::NumberModel, kExpected * kCaps> height;
-  proto::NumberModel copied_height;               // of nodes beyond the data
-  std::array<proto::AdaptiveBit, 8> has_error;    // by three reasons why not
+  proto::NumberModel copied_height;             // of nodes beyond the data
+  std::array<proto::AdaptiveBit, 8> has_error;  // by three reasons why not
   std::array<std::array<proto::AdaptiveBit, 32>, kDepths * kGaps> error;
   proto::EscapeModel escape;
 

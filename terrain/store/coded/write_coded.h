@@ -11,8 +11,8 @@
 
 namespace foreland::terrain {
 
-// The section of coded pages of a scene file that is to be at `target`. Memory: 8 bytes a group; the coded bytes wait in
-// a file. The same bytes for any number of threads.
+// The section of coded pages of a scene file that is to be at `target`. Memory: 8 bytes a group; the coded bytes wait
+// in a file. The same bytes for any number of threads.
 class CodedPagesWriter {
  public:
   static Result<CodedPagesWriter> create(const CodedTerrain& terrain, const std::filesystem::path& target,

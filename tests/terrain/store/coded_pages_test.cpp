@@ -81,8 +81,7 @@ TEST_F(CodedScene, HasTheSameBytesForAnyNumberOfThreads) {
   for (unsigned threads : {1u, 2u, 7u}) {
     test::FormulaSource source(150, 131, test::hills(9), proto::FrameKind::kPlanar);
     const auto file = folder / std::to_string(threads);
-    ASSERT_TRUE(
-        buildScene(source, {.output = file, .threads = threads, .page_coding = PageCoding::kCoded}).ok());
+    ASSERT_TRUE(buildScene(source, {.output = file, .threads = threads, .page_coding = PageCoding::kCoded}).ok());
     files.push_back(test::slurp(file));
   }
   EXPECT_EQ(files[0], files[1]);
@@ -111,24 +110,30 @@ TEST_F(CodedScene, DamagedAnywhereIsFoundAndNeverHarms) {
 // Damage that no checksum sees: the file was written so.
 TEST_F(CodedScene, ThatWasWrittenDamagedIsUnsoundAndItsGroupsAreZeros) {
   build();
-  auto bytes = test::slurp(path(PageCoding::kCoded));
+  const auto sound = test::slurp(path(PageCoding::kCoded));
   FileHeader header;
-  std::memcpy(&header, bytes.data(), sizeof(header));
-  const uint64_t groups = groupCount(open(PageCoding::kPlain)->records().size() / proto::kPageSlots);
-  // The table says that the second group goes on to the end of all.
-  uint64_t end = ~uint64_t{0};
-  std::memcpy(bytes.data() + header.sections[kNodes].offset + 2 * sizeof(uint64_t), &end, sizeof(end));
-  test::spit(folder / "bad.fls", bytes);
-  const auto bad = MappedScene::open(folder / "bad.fls");
-  ASSERT_TRUE(bad.ok());
-  const auto records = (*bad)->records();
-  ASSERT_GT(groups, 3u);
-  EXPECT_EQ(records[kGroupRecords].bits, 0u);
-  EXPECT_EQ(records[2 * kGroupRecords - 1].bits, 0u);
-  EXPECT_GT((*bad)->coded()->damagedGroups(), 0u);
-  const auto report = verifyScene(folder / "bad.fls", 1);
-  ASSERT_TRUE(report.ok());
-  EXPECT_FALSE(report->sound());
+  std::memcpy(&header, sound.data(), sizeof(header));
+  const auto expectDamaged = [&](uint64_t group, const auto& changeEnd) {
+    auto bytes = sound;
+    char* at = bytes.data() + header.sections[kNodes].offset + (1 + group) * sizeof(uint64_t);
+    uint64_t end = 0;
+    std::memcpy(&end, at, sizeof(end));
+    end = changeEnd(end);
+    std::memcpy(at, &end, sizeof(end));
+    test::spit(folder / "bad.fls", bytes);
+    const auto bad = MappedScene::open(folder / "bad.fls");
+    ASSERT_TRUE(bad.ok());
+    for (uint64_t i = 0; i < kGroupRecords; ++i)
+      ASSERT_EQ((*bad)->records()[group * kGroupRecords + i].bits, 0u) << "record " << i << " of group " << group;
+    EXPECT_GT((*bad)->coded()->damagedGroups(), 0u);
+    const auto report = verifyScene(folder / "bad.fls", 1);
+    ASSERT_TRUE(report.ok());
+    EXPECT_FALSE(report->sound());
+  };
+  expectDamaged(1, [](uint64_t) { return ~uint64_t{0}; });
+  expectDamaged(2, [](uint64_t) { return uint64_t{1} << 40; });
+  expectDamaged(2, [](uint64_t end) { return end - 40; });
+  expectDamaged(3, [](uint64_t) { return uint64_t{0}; });
 }
 
 // Any records at all come back, whatever they are.
@@ -222,9 +227,7 @@ class PageCacheTest : public testing::Test {
     cache = std::move(*made);
   }
   static uint8_t valueAt(uint8_t before, size_t i) { return static_cast<uint8_t>(before + 3 + i * 7); }
-  static uint8_t expected(uint64_t at) {
-    return valueAt(static_cast<uint8_t>(3 * (at / kGroup % 16)), at % kGroup);
-  }
+  static uint8_t expected(uint64_t at) { return valueAt(static_cast<uint8_t>(3 * (at / kGroup % 16)), at % kGroup); }
 
   std::atomic<uint64_t> inflations{0};
   std::unique_ptr<PageCache> cache;
