@@ -151,7 +151,7 @@ void describeElevation(CLI::App& app, Arguments& arguments) {
   app.add_option_function<std::string>(
          "--pages", [&](const std::string& name) { arguments.page_coding = codings.at(name); },
          "how the ground stands in the file: plain, eight bytes a sample, which are used where they lie; coded: about "
-         "half a byte, inflated when they are first touched (serve --page-cache-mib), for scenes larger than memory "
+         "a tenth, inflated when they are first touched (serve --page-cache-mib), for scenes larger than memory "
          "and disk. What viewers get is the same")
       ->check(apps::oneOf({"plain", "coded"}))
       ->default_str("plain");
