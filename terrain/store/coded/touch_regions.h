@@ -4,7 +4,8 @@
 // cannot be read fails with EFAULT.
 //
 // It is a handler of SIGSEGV. Faults at other addresses go to the handler that was there before, or end the program as
-// they always did. Debuggers stop at each such touch unless told otherwise (gdb: handle SIGSEGV nostop noprint).
+// they always did. Debuggers stop at each such touch unless told otherwise (gdb: handle SIGSEGV nostop
+// noprint), and Valgrind must be told to keep registers (--vex-iropt-register-updates=allregs-at-mem-access).
 #pragma once
 
 #include <cstddef>
