@@ -47,6 +47,7 @@ struct Arguments {
   bool is_globe = false;
   std::optional<double> vertical_step_m;
   unsigned threads = 0;
+  terrain::PageCoding page_coding = terrain::PageCoding::kPlain;
   std::vector<std::string> objects, epochs;
   proto::EpochBlend epoch_blend = proto::EpochBlend::kLinear;
   std::vector<std::filesystem::path> imagery;
@@ -147,6 +148,15 @@ void describeElevation(CLI::App& app, Arguments& arguments) {
                  "what the heights of the scene are to be above, as for --vertical; by default as the first input's")
       ->type_name(apps::text("DATUM"));
   describeInsets(app, arguments);
+  static const std::map<std::string, terrain::PageCoding> codings{{"plain", terrain::PageCoding::kPlain},
+                                                                  {"coded", terrain::PageCoding::kCoded}};
+  app.add_option_function<std::string>(
+         "--pages", [&](const std::string& name) { arguments.page_coding = codings.at(name); },
+         "how the ground stands in the file: plain, eight bytes a sample, which are used where they lie; coded: about "
+         "a tenth, inflated when they are first touched (serve --page-cache-mib), for scenes larger than memory "
+         "and disk. What viewers get is the same")
+      ->check(apps::oneOf({"plain", "coded"}))
+      ->default_str("plain");
   app.add_option("--threads", arguments.threads, "worker threads; 0 for one per processor")
       ->type_name(apps::whole("N"))
       ->check(apps::within(0u, 1024u))
@@ -431,6 +441,7 @@ int buildGlobe(const Arguments& arguments) {
                                {.output = arguments.output,
                                 .height_quantum_m = arguments.vertical_step_m.value_or(0.1),
                                 .threads = arguments.threads,
+                                .page_coding = arguments.page_coding,
                                 .objects = *objects,
                                 .picture = picture.get(),
                                 .imagery_quality = arguments.imagery_quality,
@@ -455,6 +466,7 @@ int build(const Arguments& arguments) {
   terrain::BuildOptions options{.output = arguments.output,
                                 .height_quantum_m = chooseVerticalStep(arguments, (*source)->info()),
                                 .threads = arguments.threads,
+                                .page_coding = arguments.page_coding,
                                 .widen_quantum = !arguments.vertical_step_m,
                                 .objects = std::move(*objects)};
   auto epochs = openEpochs(arguments, verticalOfScene(arguments, (*source)->info()), (*source)->info());

@@ -25,14 +25,15 @@ PROTO = ["base", *PROTO_ROOMS]
 SEES = {"base": [], "transport": ["base"]}
 for at, room in enumerate(PROTO_ROOMS):
     SEES[room] = ["base", *PROTO_ROOMS[:at]]
-STORE = ["terrain/store/file", "terrain/store/tables", "terrain/store"]
+STORE = ["terrain/store/file", "terrain/store/tables", "terrain/store/coded", "terrain/store"]
 SEES |= {
     "terrain": PROTO,  # elevation_source.h and its like: what the rooms below share
     "terrain/fence": ["base"],  # what keeps readers of foreign files to what the user meant
     "terrain/geo": [*PROTO, "terrain"],
     "terrain/store/file": [*PROTO, "terrain"],
     "terrain/store/tables": [*PROTO, "terrain", "terrain/store/file"],
-    "terrain/store": [*PROTO, "terrain", "terrain/store/file", "terrain/store/tables"],
+    "terrain/store/coded": [*PROTO, "terrain", "terrain/store/file"],
+    "terrain/store": [*PROTO, "terrain", "terrain/store/file", "terrain/store/tables", "terrain/store/coded"],
     "terrain/bounds": [*PROTO, "terrain", *STORE],
     "terrain/epochs": [*PROTO, "terrain", *STORE, "terrain/bounds"],
     "terrain/imagery": [*PROTO, "terrain", "terrain/geo", *STORE, "terrain/bounds"],

@@ -48,6 +48,14 @@ uint64_t nodeCount(const terrain::Scene& scene) {
   return (grid.maxX() + 1ull) * (grid.maxY() + 1ull) - base;
 }
 
+// Of coded pages, with their tables.
+double pageBits(const terrain::Scene& scene) {
+  const proto::GridShape& s = scene.grid().shape();
+  const double samples = scene.isSparse() || scene.grid().isCube() ? static_cast<double>(nodeCount(scene))
+                                                                   : static_cast<double>(s.samples_x) * s.samples_y;
+  return 8.0 * static_cast<double>(scene.coded()->codedBytes()) / samples;
+}
+
 ordered_json pair(const glm::dvec2& v) { return {v.x, v.y}; }
 
 // Everything that is needed to convert a position in the scene frame to the map and back.
@@ -133,6 +141,8 @@ ordered_json describe(const std::string& path, const terrain::Scene& scene) {
   about["frame"] = describeFrame(scene);
   about["voids_filled"] = scene.origin().voids_filled;
   about["notes"] = scene.origin().notes;
+  if (scene.coded())
+    about["pages"] = {{"coded", true}, {"bytes", scene.coded()->codedBytes()}, {"bits_a_sample", pageBits(scene)}};
   if (const proto::Epochs& epochs = scene.epochs().epochs(); !epochs.empty()) {
     about["epoch_blend"] = proto::name(epochs.blend());
     about["epochs"] = describeEpochs(scene.epochs());
@@ -179,6 +189,9 @@ void print(const std::string& path, const terrain::Scene& scene) {
                 shape.sparse_levels, nodeCount(scene));
   else
     std::printf("hierarchy  %d levels, %" PRIu64 " nodes\n", scene.grid().maxLevel(), nodeCount(scene));
+  if (scene.coded())
+    std::printf("pages      coded, %.1f MB, %.2f bits a sample\n",
+                static_cast<double>(scene.coded()->codedBytes()) * 1e-6, pageBits(scene));
   std::printf("heights    %.3f to %.3f m, multiples of %g m\n", scene.heightRange().lowest * quantum_m,
               scene.heightRange().highest * quantum_m, quantum_m);
   apps::printVertical(scene);

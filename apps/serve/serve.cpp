@@ -158,7 +158,7 @@ int main(int argc, char** argv) {
   auto overlays = apps::overlayFiles(flags.overlay);
   if (!overlays) return fail(overlays.error());
   terrain::endWhenAFileIsLost();
-  auto scene = terrain::openVerified(flags.scene);
+  auto scene = terrain::openVerified(flags.scene, 0, static_cast<uint64_t>(flags.page_cache_mib * 1048576));
   if (!scene) return fail(scene.error());
   const std::string title = (*scene)->origin().title;
   if ((*scene)->records().size_bytes() > kLargeSceneBytes)

@@ -90,6 +90,11 @@ void addLimits(CLI::App& app, ServeFlags& flags) {
       "questions are not answered")
       ->type_name(number("MIB"))
       ->check(within(0.0, 1048576.0));
+  add("--page-cache-mib", flags.page_cache_mib,
+      "MiB of the ground that are held inflated for all viewers together, of a scene whose pages are coded (build "
+      "--pages coded); at least 2 for each processor, and about 1000 unless vm.max_map_count is raised")
+      ->type_name(number("MIB"))
+      ->check(within(1.0, 1048576.0));
   add("--idle-seconds", flags.idle_seconds,
       "a viewer that sends nothing, or reads nothing of what waits for it, for so long is disconnected")
       ->type_name(number("S"))

@@ -8,6 +8,7 @@
 
 #include "base/result.h"
 #include "server/net/server.h"
+#include "terrain/store/coded/coded_pages.h"
 
 namespace foreland::apps {
 
@@ -28,6 +29,7 @@ struct ServeFlags {
   size_t max_section_nodes = server::SessionOptions{}.max_section_nodes;
   double queue_mib = server::HostLimits{}.viewer_bytes / 1048576.0;
   double sight_memory_mib = 1024;
+  double page_cache_mib = static_cast<double>(terrain::kDefaultPageCacheBytes >> 20);
   double idle_seconds = server::ServeOptions{}.idle_timeout.toSeconds();
   double drain_seconds = 10;
   std::filesystem::path tls_cert, tls_key, token_secret;

@@ -50,8 +50,9 @@ class Server::Impl {
   Impl(std::shared_ptr<const World> world, ServeOptions options, StaticFiles files, Clock clock)
       : options_(std::move(options)),
         clock_(std::move(clock)),
+        world_(std::move(world)),
         pool_(options_.threads, clock_, [this](const char* what) { failed(what); }),
-        host_(std::move(world), options_.session, options_.limits, pool_, clock_, metrics_),
+        host_(world_, options_.session, options_.limits, pool_, clock_, metrics_),
         site_{.files = std::move(files),
               .metrics = options_.metrics_listen ? std::function<std::string()>() : [this] { return metricsText(); },
               .unready = [this] { return unready(1); }},
@@ -287,11 +288,24 @@ class Server::Impl {
                                        .threads = pool_.threadCount(),
                                        .load = host_.load(),
                                        .queue_depth = pool_.queueDepth(),
-                                       .lateness = &pool_.lateness()});
+                                       .lateness = &pool_.lateness(),
+                                       .coded_pages = codedPages()});
+  }
+
+  std::optional<CodedPageCounts> codedPages() const {
+    const terrain::CodedPages* pages = world_->hierarchy.scene().coded();
+    if (!pages) return std::nullopt;
+    const terrain::PageCache::Counts counts = pages->counts();
+    return CodedPageCounts{.held_bytes = counts.held * terrain::kGroupBytes,
+                           .inflated = counts.inflated,
+                           .woken = counts.woken,
+                           .evicted = counts.evicted,
+                           .damaged = pages->damagedGroups()};
   }
 
   const ServeOptions options_;
   const Clock clock_;
+  const std::shared_ptr<const World> world_;
   const Time started_at_ = clock_();
   Metrics metrics_;
   std::map<std::string, size_t> connections_from_;

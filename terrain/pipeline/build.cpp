@@ -314,6 +314,8 @@ Result<BuildReport> buildScene(ElevationSource& source, const BuildOptions& opti
                                                      .epochs = layers ? layers->section() : Bytes{},
                                                      .epoch_blend = options.epoch_blend,
                                                      .datum = datumOf(info.vertical, info.inputs, height_quantum_m),
+                                                     .page_coding = options.page_coding,
+                                                     .threads = options.threads,
                                                      .tiles = &*tiles});
   if (!writer.ok()) return writer.error();
   fillBase(grid->shape(), heights, *writer);

@@ -17,6 +17,7 @@
 #include "terrain/imagery/imagery.h"
 #include "terrain/objects/placed_objects.h"
 #include "terrain/picture_source.h"
+#include "terrain/store/format.h"
 #include "terrain/store/scene.h"
 
 namespace foreland::terrain {
@@ -25,6 +26,7 @@ struct BuildOptions {
   std::filesystem::path output;
   double height_quantum_m = 0.1;  // heights become whole quanta: each moves by at most half of one
   unsigned threads = 0;           // 0: one per processor
+  PageCoding page_coding = PageCoding::kPlain;
   // Whether to take the first of 1, 1/2 and 1/4 m instead that is larger than height_quantum_m and of which every
   // height of the source is a multiple, if there is one: no sample moves, and the scene costs fewer bits to send.
   // Filled voids are rounded.

@@ -201,6 +201,7 @@ Result<BuildReport> buildGlobe(const GlobeSource& source, const GlobeOptions& op
   auto report = buildSparseScene(
       {*grid, frame, std::move(pages), height},
       {options.output, options.threads, std::move(origin), datumOf(info, *grid, *residuals_m, options.height_quantum_m),
+       options.page_coding,
        [&](const StoredHeights& ground, SceneWriter::About& about) { return tiles.add(ground, about); }},
       progress);
   if (!report.ok()) return report;

@@ -147,6 +147,8 @@ Result<BuildReport> buildSparseScene(const SparseGround& ground, const SparseOpt
                            .heights = found.range,
                            .origin = options.origin,
                            .datum = options.datum,
+                           .page_coding = options.page_coding,
+                           .threads = options.threads,
                            .pages = blocks};
   if (Status s = options.complete({grid, *pages, records, {base.corners, base.centres}}, about); !s.ok())
     return s.error();

@@ -46,6 +46,7 @@ struct SparseOptions {
   unsigned threads = 0;  // 0: one per processor
   SceneOrigin origin{};
   SceneDatum datum{};
+  PageCoding page_coding = PageCoding::kPlain;
   // Called once, when the ground is known and nothing is written yet: adds to the file what follows from the ground.
   // Of what it is given it may change origin, datum, objects and tiles, which must live until the scene is written.
   std::function<Status(const StoredHeights& ground, SceneWriter::About& about)> complete =

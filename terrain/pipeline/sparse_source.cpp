@@ -120,6 +120,7 @@ Result<BuildReport> buildSparseScene(const ElevationSource& source, const BuildO
       {.output = options.output,
        .threads = options.threads,
        .origin = {info.title, info.crs_wkt, info.notes, info.voids_filled},
+       .page_coding = options.page_coding,
        .complete = [&](const StoredHeights& ground, SceneWriter::About& about) { return completion(ground, about); }},
       {.report = progress.report, .keepGoing = [&] { return fits && progress.keepGoing(); }});
   if (!fits)

@@ -23,7 +23,7 @@ FileLayout FileLayout::of(const proto::GridShape& shape, const proto::PageDirect
       sizes.text,
       sizeof(int32_t) * (shape.roots_x + 1ull) * (shape.roots_y + 1ull),
       sizeof(int32_t) * static_cast<uint64_t>(shape.roots_x) * shape.roots_y,
-      sizeof(NodeRecord) * proto::kPageSlots * directory.pageCount(),
+      sizes.coded_pages > 0 ? sizes.coded_pages : sizeof(NodeRecord) * proto::kPageSlots * directory.pageCount(),
       sizes.objects,
       sizes.epochs,
       sizes.tiles,

@@ -18,9 +18,12 @@
 namespace foreland::terrain {
 
 inline constexpr std::array<char, 8> kSceneMagic{'F', 'O', 'R', 'E', 'L', 'A', 'N', 'D'};
-inline constexpr uint32_t kFormatVersion = 7;
+inline constexpr uint32_t kFormatVersion = 8;
 
 enum SectionKind : uint32_t { kText, kCorners, kCentres, kNodes, kObjects, kChecksums, kSectionCount };
+
+// How the records of nodes stand in the file: as they are in memory, or coded (coded/group_codec.h).
+enum class PageCoding : uint32_t { kPlain, kCoded };
 
 // The start of the file's first page; the rest of the page is zero.
 struct FileHeader {
@@ -28,6 +31,7 @@ struct FileHeader {
   static constexpr uint32_t kLinearVersion = 4;    // epochs were blended linearly; written for scenes whose are
   static constexpr uint32_t kUnstatedVersion = 5;  // no vertical datum is stated; written for scenes whose is not
   static constexpr uint32_t kWholeVersion = 6;     // all levels are whole; written for scenes whose are
+  static constexpr uint32_t kPlainVersion = 7;     // pages are not coded; written for scenes whose are not
 
   std::array<char, 8> magic = kSceneMagic;
   uint32_t version = kFormatVersion;
@@ -52,13 +56,15 @@ struct FileHeader {
   uint32_t sparse_levels = 0;
   SectionRange datum;  // after the tiles (datum_section.h); zeros where no vertical datum is stated
   SectionRange pages;  // after the datum: blocks of the pages that are there of sparse levels; zeros if there are none
+  PageCoding page_coding = PageCoding::kPlain;
+  uint32_t zero = 0;
 
   proto::GridShape shape() const {
     const bool is_cube = frame_kind == static_cast<uint32_t>(proto::FrameKind::kGlobe);
     return {roots_x, roots_y, root_log2, samples_x, samples_y, sparse_levels, is_cube};
   }
 };
-static_assert(sizeof(FileHeader) == 400 && std::is_trivially_copyable_v<FileHeader>);
+static_assert(sizeof(FileHeader) == 408 && std::is_trivially_copyable_v<FileHeader>);
 static_assert(offsetof(FileHeader, roots_x) == 40 && offsetof(FileHeader, height_quantum_m) == 64);
 static_assert(offsetof(FileHeader, lowest) == 208 && offsetof(FileHeader, sections) == 232);
 
@@ -66,11 +72,12 @@ static_assert(offsetof(FileHeader, lowest) == 208 && offsetof(FileHeader, sectio
 struct FileLayout {
   struct Sizes {
     uint64_t text = 0, objects = 0, epochs = 0, tiles = 0, datum = 0;
+    uint64_t coded_pages = 0;  // 0 where pages are not coded
   };
   std::array<SectionRange, kSectionCount> sections;
   SectionRange epochs, tiles, datum, pages;  // zeros if there are none
   uint64_t file_bytes = 0;
-  // The directory says how many records there are.
+  // The directory says how many records there are, where pages are not coded.
   static FileLayout of(const proto::GridShape& shape, const proto::PageDirectory& directory, const Sizes& bytes);
 };
 

@@ -5,12 +5,14 @@
 
 namespace foreland::terrain {
 
-Result<std::shared_ptr<const MappedScene>> MappedScene::open(const std::filesystem::path& path) {
-  return openMapped<MappedScene>(path);
+Result<std::shared_ptr<const MappedScene>> MappedScene::open(const std::filesystem::path& path,
+                                                             uint64_t page_cache_bytes) {
+  return openMapped<MappedScene>(path, page_cache_bytes);
 }
 
 Result<std::shared_ptr<const MappedScene>> MappedScene::of(ByteSpan bytes, const std::string& name,
-                                                           std::shared_ptr<const void> owner) {
+                                                           std::shared_ptr<const void> owner,
+                                                           uint64_t page_cache_bytes) {
   if (bytes.size() < kPageBytes) return damagedFile(name, "it is cut short");
   const auto header = readHeader<FileHeader>(bytes, name);
   if (!header.ok()) return header.error();
@@ -19,7 +21,8 @@ Result<std::shared_ptr<const MappedScene>> MappedScene::of(ByteSpan bytes, const
   if (Status frame = getFrame(*header).validate(grid->maxX(), grid->maxY()); !frame.ok())
     return damagedFile(name, frame.error().message);
   std::shared_ptr<MappedScene> scene(new MappedScene(bytes, std::move(owner), *header, *grid));
-  if (const Status status = scene->adopt(); !status.ok()) return damagedFile(name, status.error().message);
+  if (const Status status = scene->adopt(page_cache_bytes); !status.ok())
+    return damagedFile(name, status.error().message);
   return std::shared_ptr<const MappedScene>(std::move(scene));
 }
 
@@ -31,7 +34,8 @@ MappedScene::MappedScene(ByteSpan bytes, std::shared_ptr<const void> owner, cons
 Status MappedScene::readPages() {
   const auto malformed = [](const char* what) { return Error{ErrorCode::kMalformed, what}; };
   const SectionRange& at = header_.pages;
-  if ((header_.version > FileHeader::kWholeVersion) != (header_.sparse_levels > 0))
+  if (header_.version <= FileHeader::kPlainVersion &&
+      (header_.version > FileHeader::kWholeVersion) != (header_.sparse_levels > 0))
     return malformed("its version does not go with its sparse levels");
   if (header_.sparse_levels > 0 && header_.epochs.bytes > 0)
     return malformed("it has sparse levels with epochs, which this version cannot read");
@@ -44,7 +48,7 @@ Status MappedScene::readPages() {
 }
 
 // Checks the header against the sizes that follow from its grid, then points the spans into the file.
-Status MappedScene::adopt() {
+Status MappedScene::adopt(uint64_t page_cache_bytes) {
   const auto malformed = [](const char* what) { return Error{ErrorCode::kMalformed, what}; };
   const uint64_t text_bytes = header_.sections[kText].bytes;
   if (text_bytes > kMaxTextBytes) return malformed("its text is too long");
@@ -61,9 +65,19 @@ Status MappedScene::adopt() {
   if (header_.version <= FileHeader::kWholeVersion &&
       (header_.version > FileHeader::kUnstatedVersion) != (datum_bytes > 0))
     return malformed("its version does not go with its vertical datum");
+  const bool are_coded = header_.page_coding == PageCoding::kCoded;
+  if ((header_.version > FileHeader::kPlainVersion) != are_coded || header_.zero != 0)
+    return malformed("its version does not go with how its pages are coded");
+  const uint64_t page_bytes = are_coded ? header_.sections[kNodes].bytes : 0;
+  if (page_bytes > bytes_.size()) return malformed("its coded pages are too large");
   if (Status pages = readPages(); !pages.ok()) return pages;
-  const FileLayout layout =
-      FileLayout::of(grid_.shape(), directory_, {text_bytes, object_bytes, epoch_bytes, tile_bytes, datum_bytes});
+  const FileLayout layout = FileLayout::of(grid_.shape(), directory_,
+                                           {.text = text_bytes,
+                                            .objects = object_bytes,
+                                            .epochs = epoch_bytes,
+                                            .tiles = tile_bytes,
+                                            .datum = datum_bytes,
+                                            .coded_pages = page_bytes});
   for (uint32_t kind = 0; kind < kSectionCount; ++kind)
     if (header_.sections[kind] != layout.sections[kind]) return malformed("its sections are not where they belong");
   if (header_.epochs != layout.epochs) return malformed("its epochs are not where they belong");
@@ -80,7 +94,6 @@ Status MappedScene::adopt() {
   origin_.voids_filled = header_.voids_filled;
   id_ = header_.scene_id;
   heights_ = {header_.lowest, header_.highest};
-  records_ = section<NodeRecord>(kNodes);
   corners_ = section<int32_t>(kCorners);
   centres_ = section<int32_t>(kCentres);
   objects_ = section<uint8_t>(kObjects);
@@ -105,6 +118,19 @@ Status MappedScene::adopt() {
   if (std::any_of(corners_.begin(), corners_.end(), isAbsurd) ||
       std::any_of(centres_.begin(), centres_.end(), isAbsurd))
     return malformed("a base vertex is absurdly high or low");
+  return adoptRecords(page_cache_bytes);
+}
+
+Status MappedScene::adoptRecords(uint64_t page_cache_bytes) {
+  if (header_.page_coding == PageCoding::kPlain) {
+    records_ = section<NodeRecord>(kNodes);
+    return {};
+  }
+  const CodedTerrain terrain{grid_, directory_, {}, {corners_, centres_}, frame_};
+  auto coded = CodedPages::open(terrain, section<uint8_t>(kNodes), page_cache_bytes);
+  if (!coded) return coded.error();
+  coded_ = std::move(*coded);
+  records_ = coded_->records();
   return {};
 }
 

@@ -16,16 +16,20 @@ namespace foreland::terrain {
 
 class MappedScene final : public Scene {
  public:
-  static Result<std::shared_ptr<const MappedScene>> open(const std::filesystem::path& path);
+  // Of a scene whose pages are coded so many bytes of them are held inflated.
+  static Result<std::shared_ptr<const MappedScene>> open(const std::filesystem::path& path,
+                                                         uint64_t page_cache_bytes = kDefaultPageCacheBytes);
   // Opens a scene whose file is in memory, kept alive by `owner` and aligned to a page. Errors call the file `name`.
   static Result<std::shared_ptr<const MappedScene>> of(ByteSpan bytes, const std::string& name,
-                                                       std::shared_ptr<const void> owner);
+                                                       std::shared_ptr<const void> owner,
+                                                       uint64_t page_cache_bytes = kDefaultPageCacheBytes);
   const FileHeader& header() const { return header_; }
   ByteSpan file() const { return bytes_; }
 
  private:
   MappedScene(ByteSpan bytes, std::shared_ptr<const void> owner, const FileHeader& header, proto::GridTopology grid);
-  Status adopt();
+  Status adopt(uint64_t page_cache_bytes);
+  Status adoptRecords(uint64_t page_cache_bytes);
   Status readPages();
 
   template <class T>

@@ -7,8 +7,8 @@ namespace foreland::terrain {
 
 using proto::NodeId;
 
-Result<std::shared_ptr<const Scene>> Scene::open(const std::filesystem::path& path) {
-  auto scene = MappedScene::open(path);
+Result<std::shared_ptr<const Scene>> Scene::open(const std::filesystem::path& path, uint64_t page_cache_bytes) {
+  auto scene = MappedScene::open(path, page_cache_bytes);
   if (!scene.ok()) return scene.error();
   return std::shared_ptr<const Scene>(std::move(*scene));
 }

@@ -17,6 +17,7 @@
 #include "proto/section/page_directory.h"
 #include "proto/space/frame.h"
 #include "proto/topology/grid.h"
+#include "terrain/store/coded/coded_pages.h"
 #include "terrain/store/tables/datum_section.h"
 #include "terrain/store/tables/epoch_table.h"
 #include "terrain/store/tables/tile_table.h"
@@ -40,7 +41,9 @@ struct HeightRange {
 
 class Scene {
  public:
-  static Result<std::shared_ptr<const Scene>> open(const std::filesystem::path& path);
+  // Of a scene whose pages are coded so many bytes of them are held inflated.
+  static Result<std::shared_ptr<const Scene>> open(const std::filesystem::path& path,
+                                                   uint64_t page_cache_bytes = kDefaultPageCacheBytes);
   virtual ~Scene() = default;
 
   const proto::GridTopology& grid() const { return grid_; }
@@ -60,7 +63,7 @@ class Scene {
   bool isSparse() const { return grid_.shape().sparse_levels > 0; }
   // Which pages of nodes are there.
   const proto::PageDirectory& pages() const { return directory_; }
-  // By place in the file; slots that are padding hold zeros.
+  // By place in the file; slots that are padding hold zeros. Where pages are coded, those that are read are inflated.
   std::span<const NodeRecord> records() const { return records_; }
   // By slot. A node whose page is not there reads as zeros.
   proto::StoredNodes nodes() const {
@@ -70,6 +73,9 @@ class Scene {
   // Base vertices, row by row from the south: (roots_x + 1) * (roots_y + 1) corners; roots_x * roots_y centres.
   std::span<const int32_t> cornerHeights() const { return corners_; }
   std::span<const int32_t> centreHeights() const { return centres_; }
+
+  // What is known of coded pages; null where pages are as they are in memory.
+  const CodedPages* coded() const { return coded_.get(); }
 
   // How the ground moves in time. Errors and radii of nodes hold for all scene times, heights for the first.
   const EpochTable& epochs() const { return epochs_; }
@@ -98,6 +104,7 @@ class Scene {
   SceneOrigin origin_;
   SceneDatum datum_;
   proto::PageDirectory directory_;
+  std::unique_ptr<CodedPages> coded_;
   std::span<const NodeRecord> records_;
   std::span<const int32_t> corners_, centres_;
   ByteSpan objects_;

@@ -1,7 +1,10 @@
 #include "terrain/store/scene_writer.h"
 
+#include <algorithm>
 #include <cstring>
 
+#include "terrain/store/coded/write_coded.h"
+#include "terrain/store/file/mapped_file.h"
 #include "terrain/store/file/seal.h"
 
 namespace foreland::terrain {
@@ -10,7 +13,8 @@ namespace {
 
 // The oldest that holds it, so that a scene has the bytes that it always had.
 uint32_t versionFor(const SceneWriter::About& about, bool is_stated) {
-  if (about.shape.sparse_levels > 0) return kFormatVersion;
+  if (about.page_coding == PageCoding::kCoded) return kFormatVersion;
+  if (about.shape.sparse_levels > 0) return FileHeader::kPlainVersion;
   if (is_stated) return FileHeader::kWholeVersion;
   return about.epoch_blend == proto::EpochBlend::kLinear ? FileHeader::kLinearVersion : FileHeader::kUnstatedVersion;
 }
@@ -56,10 +60,13 @@ Result<SceneWriter> SceneWriter::create(const std::filesystem::path& target, con
   h.pages = layout.pages;
   h.epoch_blend = static_cast<uint32_t>(about.epoch_blend);
   h.version = versionFor(about, is_stated);
+  h.page_coding = about.page_coding;
 
   auto file = NewFile::create(target, layout.file_bytes);
   if (!file.ok()) return file.error();
   SceneWriter writer(std::move(file).value(), layout, h);
+  writer.target_ = target;
+  writer.threads_ = about.threads;
   std::memcpy(writer.at(kText), text.data(), text.size());
   if (!about.objects.empty()) std::memcpy(writer.at(kObjects), about.objects.data(), about.objects.size());
   if (!about.epochs.empty()) std::memcpy(writer.at(layout.epochs), about.epochs.data(), about.epochs.size());
@@ -95,6 +102,44 @@ Status SceneWriter::put(uint64_t first, std::span<const NodeRecord> records) con
 
 void SceneWriter::release(std::span<const NodeRecord> nodes) const { file_.release(bytesOf(nodes)); }
 
-Result<uint64_t> SceneWriter::finish() { return sealFile(file_, layout_.sections[kChecksums], header_); }
+Result<uint64_t> SceneWriter::finish() {
+  if (header_.page_coding == PageCoding::kCoded) return finishCoded();
+  return sealFile(file_, layout_.sections[kChecksums], header_);
+}
+
+// Everything but the pages is copied to another file, and the first one is given up.
+Result<uint64_t> SceneWriter::finishCoded() {
+  const auto grid = proto::GridTopology::create(header_.shape());
+  CHECK_TRUE(grid.ok());
+  const auto directory = proto::PageDirectory::create(*grid, sectionOf<proto::PageBlock>(file_.span(), header_.pages));
+  CHECK_TRUE(directory.ok());
+  const proto::Frame frame = getFrame(header_);
+  const CodedTerrain terrain{*grid, *directory, nodes(), {corners(), centres()}, frame};
+  const auto pages = CodedPagesWriter::create(terrain, target_, threads_);
+  if (!pages.ok()) return pages.error();
+  const FileLayout coded = FileLayout::of(grid->shape(), *directory,
+                                          {.text = layout_.sections[kText].bytes,
+                                           .objects = layout_.sections[kObjects].bytes,
+                                           .epochs = layout_.epochs.bytes,
+                                           .tiles = layout_.tiles.bytes,
+                                           .datum = layout_.datum.bytes,
+                                           .coded_pages = pages->bytes()});
+  auto file = NewFile::create(target_, coded.file_bytes);
+  if (!file.ok()) return file.error();
+  const auto copy = [&](const SectionRange& from, const SectionRange& to) {
+    return file->put(to.offset, file_.span().subspan(from.offset, from.bytes));
+  };
+  for (const SectionKind kind : {kText, kCorners, kCentres, kObjects})
+    if (Status s = copy(layout_.sections[kind], coded.sections[kind]); !s.ok()) return s.error();
+  for (const auto part : {&FileLayout::epochs, &FileLayout::tiles, &FileLayout::datum, &FileLayout::pages})
+    if (Status s = copy(layout_.*part, coded.*part); !s.ok()) return s.error();
+  const SectionRange& nodes = coded.sections[kNodes];
+  if (Status s = pages->write({file->data() + nodes.offset, nodes.bytes}); !s.ok()) return s.error();
+  layout_ = coded;
+  header_.file_bytes = coded.file_bytes;
+  std::ranges::copy(coded.sections, header_.sections);
+  header_.epochs = coded.epochs, header_.tiles = coded.tiles, header_.datum = coded.datum, header_.pages = coded.pages;
+  return sealFile(*file, layout_.sections[kChecksums], header_);
+}
 
 }  // namespace foreland::terrain

@@ -27,7 +27,9 @@ class SceneWriter {
     Bytes objects{};  // terrain/objects encodes this section of the file.
     Bytes epochs{};   // epoch_section.h encodes this section of the file.
     proto::EpochBlend epoch_blend = proto::EpochBlend::kLinear;
-    SceneDatum datum{};                  // Written if it is stated.
+    SceneDatum datum{};  // Written if it is stated.
+    PageCoding page_coding = PageCoding::kPlain;
+    unsigned threads = 0;                // that code pages; 0: one per processor
     const TileSection* tiles = nullptr;  // A scene without tiles has none; create() alone reads it.
     // The pages that are there of the sparse levels (proto::blocksOf); create() alone reads it.
     std::span<const proto::PageBlock> pages{};
@@ -47,16 +49,20 @@ class SceneWriter {
   // Lets the pages of `nodes`, a part of nodes(), leave this process's memory; their content stays in the file.
   void release(std::span<const NodeRecord> nodes) const;
 
-  // Writes checksums and header, flushes the file to the disk and gives it its name. Returns the scene's id. Must be
-  // called once, when nodes, corners and centres are filled.
+  // Codes the pages if they are to be, writes checksums and header, flushes the file to the disk and gives it its name.
+  // Returns the scene's id. Must be called once, when nodes, corners and centres are filled; nothing of the above may
+  // be called afterwards but fileBytes(). While pages are coded both files are on the disk.
   Result<uint64_t> finish();
 
  private:
   SceneWriter(NewFile file, const FileLayout& layout, const FileHeader& header)
       : file_(std::move(file)), layout_(layout), header_(header) {}
+  Result<uint64_t> finishCoded();
   uint8_t* at(SectionKind kind) const { return file_.data() + layout_.sections[kind].offset; }
   uint8_t* at(const SectionRange& range) const { return file_.data() + range.offset; }
 
+  std::filesystem::path target_;
+  unsigned threads_ = 0;
   NewFile file_;
   FileLayout layout_;
   FileHeader header_;

@@ -164,6 +164,8 @@ Result<VerifyReport> verifyScene(const std::filesystem::path& path, unsigned thr
   report.base_vertices = checkBase(**scene, values);
   checkEpochs(**scene, values);
   report.nodes = checkNodes(**scene, threads, values);
+  if (const CodedPages* coded = (*scene)->coded(); coded && coded->damagedGroups() > 0)
+    values.add(0, "some coded pages are damaged, or larger than they should be");
   report.padding = (*scene)->records().size() - report.nodes;
   report.faults = blocks.count() + values.count();
   report.first_faults = blocks.first();
@@ -171,8 +173,9 @@ Result<VerifyReport> verifyScene(const std::filesystem::path& path, unsigned thr
   return report;
 }
 
-Result<std::shared_ptr<const Scene>> openVerified(const std::filesystem::path& path, unsigned threads) {
-  auto scene = MappedScene::open(path);
+Result<std::shared_ptr<const Scene>> openVerified(const std::filesystem::path& path, unsigned threads,
+                                                  uint64_t page_cache_bytes) {
+  auto scene = MappedScene::open(path, page_cache_bytes);
   if (!scene.ok()) return scene.error();
   Faults faults;
   checkSceneBlocks(**scene, threads, faults);

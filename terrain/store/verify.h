@@ -30,7 +30,7 @@ struct VerifyReport {
 
 // Opens a scene and checks the checksums alone, at the speed of the disk: a server does so before it serves a scene.
 // What was checked is what is returned, whatever happens to the path meanwhile.
-[[nodiscard]] Result<std::shared_ptr<const Scene>> openVerified(const std::filesystem::path& path,
-                                                                unsigned threads = 0);
+[[nodiscard]] Result<std::shared_ptr<const Scene>> openVerified(const std::filesystem::path& path, unsigned threads = 0,
+                                                                uint64_t page_cache_bytes = kDefaultPageCacheBytes);
 
 }  // namespace foreland::terrain

@@ -81,6 +81,28 @@ TEST_F(ScenePrograms, VerifySaysWhatItChecked) {
   EXPECT_NE(result.output.find(scene() + ": sound"), std::string::npos) << result.output;
 }
 
+TEST_F(ScenePrograms, TellTheSameOfCodedPages) {
+  const std::string raster = folder_ / "land.exr", plain = folder_ / "plain.fls", coded = folder_ / "coded.fls";
+  ASSERT_EQ(runProgram("synth", {"-o", raster, "--size", "257"}).exit_code, 0);
+  for (const auto& [pages, path] : {std::pair("plain", plain), std::pair("coded", coded)}) {
+    const ProgramResult built = runProgram("build", {raster, "-o", path, "--pages", pages});
+    ASSERT_EQ(built.exit_code, 0) << built.output;
+    EXPECT_EQ(runProgram("verify", {path}).exit_code, 0);
+  }
+  EXPECT_LT(2 * fs::file_size(coded), fs::file_size(plain));
+  const auto about = [&](const std::string& path) {
+    const ProgramResult result = runProgram("info", {path, "--json"}, {.streams = Streams::kOutputOnly});
+    return nlohmann::json::parse(result.output, nullptr, false);
+  };
+  auto of_plain = about(plain), of_coded = about(coded);
+  EXPECT_LT(of_coded["pages"]["bits_a_sample"].get<double>(), 20);
+  for (const char* differs : {"file", "id", "pages"}) of_plain.erase(differs), of_coded.erase(differs);
+  EXPECT_EQ(of_plain.dump(), of_coded.dump());
+  EXPECT_NE(runProgram("info", {coded}).output.find("bits a sample"), std::string::npos);
+  flip(coded, 0.5);
+  expectRefusal("verify", {coded}, {coded});
+}
+
 TEST_F(ScenePrograms, VerifyFindsAFlippedByteAnywhere) {
   for (const double share : {0.0, 0.001, 0.1, 0.3, 0.5, 0.7, 0.9, 0.999}) {
     const std::string file = flipped(share);

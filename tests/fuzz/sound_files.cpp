@@ -38,12 +38,16 @@ void writeSurface(const std::filesystem::path& path, proto::MeshRule rule, uint3
   CHECK_TRUE(written.ok());
 }
 
-SoundFile sceneFile(uint32_t side, proto::FrameKind kind, std::vector<terrain::ObjectRequest> objects) {
+SoundFile sceneFile(uint32_t side, proto::FrameKind kind, std::vector<terrain::ObjectRequest> objects,
+                    terrain::PageCoding page_coding = terrain::PageCoding::kPlain) {
   const TemporaryFolder folder;
   FormulaSource source(side, side, hills(1), kind);
   source.info().crs_wkt = "ENGCRS[\"nowhere\"]";
-  const auto built = terrain::buildScene(
-      source, {.output = folder / "scene.fls", .height_quantum_m = 0.1, .threads = 1, .objects = std::move(objects)});
+  const auto built = terrain::buildScene(source, {.output = folder / "scene.fls",
+                                                  .height_quantum_m = 0.1,
+                                                  .threads = 1,
+                                                  .page_coding = page_coding,
+                                                  .objects = std::move(objects)});
   CHECK_TRUE(built.ok());
   return SoundFile(readWhole(folder / "scene.fls"));
 }
@@ -93,6 +97,7 @@ std::vector<SoundFile> makeScenes() {
   for (const auto blend : {proto::EpochBlend::kLinear, proto::EpochBlend::kCatmullRom, proto::EpochBlend::kBSpline})
     scenes.push_back(movingSceneFile(blend));
   scenes.push_back(sparseSceneFile());
+  scenes.push_back(sceneFile(20, proto::FrameKind::kPlanar, {}, terrain::PageCoding::kCoded));
   return scenes;
 }
 

@@ -22,9 +22,9 @@ struct Disc {
 
 // Whole down to a spacing of 2^whole_log2 samples, and as fine as the lattice where one of some discs is. Aborts the
 // test on failure.
-inline std::shared_ptr<const terrain::Scene> makeSparseScene(uint32_t width, uint32_t height,
-                                                             const HeightFunction& formula, proto::FrameKind kind,
-                                                             uint32_t whole_log2, const std::vector<Disc>& deep) {
+inline std::shared_ptr<const terrain::Scene> makeSparseScene(
+    uint32_t width, uint32_t height, const HeightFunction& formula, proto::FrameKind kind, uint32_t whole_log2,
+    const std::vector<Disc>& deep, terrain::PageCoding page_coding = terrain::PageCoding::kPlain) {
   const proto::GridTopology grid = *terrain::sparseGrid(width, height, whole_log2);
   proto::Frame frame = makeFrame(kind, width, height);
   frame.height_quantum_m = 0.1;
@@ -38,7 +38,7 @@ inline std::shared_ptr<const terrain::Scene> makeSparseScene(uint32_t width, uin
   terrain::SceneOrigin origin;
   origin.title = "sparse";
   const auto report = terrain::buildSparseScene({grid, frame, terrain::pagesWhere(grid, isWanted), quanta},
-                                                {folder / "scene.fls", 1, origin});
+                                                {folder / "scene.fls", 1, origin, {}, page_coding});
   if (!report.ok()) std::fprintf(stderr, "makeSparseScene: %s\n", report.error().message.c_str());
   CHECK_TRUE(report.ok());
   const auto scene = terrain::Scene::open(folder / "scene.fls");

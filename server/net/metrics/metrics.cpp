@@ -117,6 +117,14 @@ void renderBytes(const Metrics& m, Page& page) {
   page.counter("foreland_messages_up_total", "Messages read from viewers.", m.messages_up.load());
 }
 
+void renderCodedPages(const CodedPageCounts& pages, Page& page) {
+  page.gauge("foreland_page_cache_bytes", "Ground that is held inflated.", pages.held_bytes);
+  page.counter("foreland_page_cache_inflated_total", "Groups of pages inflated.", pages.inflated);
+  page.counter("foreland_page_cache_woken_total", "Groups touched that were near to being evicted.", pages.woken);
+  page.counter("foreland_page_cache_evicted_total", "Groups evicted.", pages.evicted);
+  page.counter("foreland_page_cache_damaged_total", "Groups that could not be inflated.", pages.damaged);
+}
+
 void renderState(const ServerState& state, Page& page) {
   page.info("foreland_build_info", "The program.", "version", state.version);
   page.gauge("foreland_uptime_seconds", "Time since the server started.", state.uptime_s);
@@ -125,6 +133,7 @@ void renderState(const ServerState& state, Page& page) {
   page.gauge("foreland_queue_depth", "Jobs released and not yet started.", state.queue_depth);
   if (state.lateness)
     page.histogram("foreland_lateness_seconds", "By how much jobs ended after their deadline.", *state.lateness);
+  if (state.coded_pages) renderCodedPages(*state.coded_pages, page);
   const ProcessMetrics& process = state.process;
   page.counter("process_cpu_seconds_total", "Processor time used.", process.cpu_seconds);
   page.gauge("process_start_time_seconds", "When the process started, since 1970.", process.start_time_s);

@@ -5,6 +5,7 @@
 #include <array>
 #include <atomic>
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include "server/net/metrics/process_metrics.h"
@@ -66,6 +67,11 @@ struct Metrics {
 };
 
 // The state of the server beside its counters.
+// What is known of coded pages, in groups (terrain/store/coded).
+struct CodedPageCounts {
+  uint64_t held_bytes = 0, inflated = 0, woken = 0, evicted = 0, damaged = 0;
+};
+
 struct ServerState {
   std::string version;
   double uptime_s = 0;
@@ -75,6 +81,7 @@ struct ServerState {
   double load = 0;
   size_t queue_depth = 0;
   const Histogram* lateness = nullptr;
+  std::optional<CodedPageCounts> coded_pages{};  // of scenes whose pages are coded
 };
 
 // The text exposition format, version 0.0.4.

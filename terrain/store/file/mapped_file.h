@@ -78,13 +78,13 @@ Result<Header> readHeader(ByteSpan file, const std::filesystem::path& path) {
 }
 
 // Maps a whole file and opens its bytes with `T::of`, which keeps the mapping alive.
-template <class T>
-Result<std::shared_ptr<const T>> openMapped(const std::filesystem::path& path) {
+template <class T, class... More>
+Result<std::shared_ptr<const T>> openMapped(const std::filesystem::path& path, const More&... more) {
   auto file = MappedFile::open(path);
   if (!file.ok()) return file.error();
   auto owner = std::make_shared<const MappedFile>(std::move(file).value());
   const ByteSpan bytes = owner->span();
-  return T::of(bytes, path.string(), std::move(owner));
+  return T::of(bytes, path.string(), std::move(owner), more...);
 }
 
 Error damagedFile(const std::filesystem::path& path, const std::string& what);

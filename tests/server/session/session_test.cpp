@@ -124,6 +124,47 @@ TEST(Session, WaitsWhileItsViewerShowsNothing) {
     }
 }
 
+// The messages that a camera gets which flies over a scene and comes back.
+std::vector<Bytes> messagesOver(std::shared_ptr<const terrain::Scene> scene, Occlusion occlusion) {
+  const auto world = openWorld(std::move(scene), occlusion).value();
+  Session session(world, {});
+  SessionScratch scratch;
+  std::vector<Bytes> out;
+  proto::ViewRequest request;
+  request.occlusion = occlusion == Occlusion::kOn;
+  EXPECT_TRUE(session.receive(proto::encode(request), Time{}).ok());
+  for (double t = 0; t < 12; t += 0.1) {
+    const double along = 1200 * std::sin(0.5 * t);
+    proto::PoseUpdate update{
+        {Time::seconds(t), {{along, 0.3 * along, 250}, proto::lookAlong({1, 0.2, -0.3}, {0, 0, 1})}}, 0, {}};
+    update.received_keyframe = session.keyframe().index;
+    update.received_at = Time::seconds(t);
+    EXPECT_TRUE(session.receive(proto::encode(update), Time::seconds(t)).ok());
+    session.step(Time::seconds(t), scratch, out);
+    session.onDrained(Time::seconds(t));
+  }
+  EXPECT_GT(session.statistics().keyframes, 30u);
+  return out;
+}
+
+TEST(Session, SendsTheSameWhetherPagesAreCodedOrNot) {
+  const test::TemporaryFolder folder;
+  std::array<std::shared_ptr<const terrain::Scene>, 2> scenes;
+  for (const auto coding : {terrain::PageCoding::kPlain, terrain::PageCoding::kCoded}) {
+    test::FormulaSource source(260, 250, test::hills(5));
+    ASSERT_TRUE(terrain::buildScene(source, {.output = folder / "scene.fls", .page_coding = coding}).ok());
+    scenes[static_cast<size_t>(coding)] = *terrain::Scene::open(folder / "scene.fls");
+  }
+  ASSERT_TRUE(scenes[1]->coded());
+  for (const Occlusion occlusion : {Occlusion::kOff, Occlusion::kOn}) {
+    auto plain = messagesOver(scenes[0], occlusion), coded = messagesOver(scenes[1], occlusion);
+    ASSERT_EQ(plain.size(), coded.size());
+    EXPECT_NE(plain[0], coded[0]) << "the welcome names the scene";
+    for (size_t i = 1; i < plain.size(); ++i) EXPECT_EQ(plain[i], coded[i]) << "message " << i;
+  }
+  EXPECT_GT(scenes[1]->coded()->counts().inflated, 0u);
+}
+
 TEST(Session, CountsTheMemoryForWhatRidgesHide) {
   const auto world = openWorld(test::makeScene(65, 65, 5), Occlusion::kOn).value();
   const auto bytesWith = [&](bool occlusion) {
