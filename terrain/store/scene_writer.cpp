@@ -1,12 +1,18 @@
 #include "terrain/store/scene_writer.h"
 
-#include <cstring>
+#include <utility>
 
+#include "base/check.h"
 #include "terrain/store/file/seal.h"
 
 namespace foreland::terrain {
 
 namespace {
+
+template <class T>
+ByteSpan bytesOf(std::span<const T> values) {
+  return {reinterpret_cast<const uint8_t*>(values.data()), values.size_bytes()};
+}
 
 // The oldest that holds it, so that a scene has the bytes that it always had.
 uint32_t versionFor(const SceneWriter::About& about, bool is_stated) {
@@ -57,37 +63,30 @@ Result<SceneWriter> SceneWriter::create(const std::filesystem::path& target, con
   h.epoch_blend = static_cast<uint32_t>(about.epoch_blend);
   h.version = versionFor(about, is_stated);
 
-  auto file = NewFile::create(target, layout.file_bytes);
+  auto file = NewFile::create(target, layout.file_bytes, about.mapping);
   if (!file.ok()) return file.error();
   SceneWriter writer(std::move(file).value(), layout, h);
-  std::memcpy(writer.at(kText), text.data(), text.size());
-  if (!about.objects.empty()) std::memcpy(writer.at(kObjects), about.objects.data(), about.objects.size());
-  if (!about.epochs.empty()) std::memcpy(writer.at(layout.epochs), about.epochs.data(), about.epochs.size());
-  if (is_stated) std::memcpy(writer.at(layout.datum), datum.data(), datum.size());
-  if (!about.pages.empty()) std::memcpy(writer.at(layout.pages), about.pages.data(), about.pages.size_bytes());
-  if (about.tiles)
-    if (Status status = about.tiles->write({writer.at(layout.tiles), layout.tiles.bytes}); !status.ok())
-      return status.error();
+  const std::pair<uint64_t, ByteSpan> parts[] = {{layout.sections[kText].offset, text},
+                                                 {layout.sections[kObjects].offset, about.objects},
+                                                 {layout.epochs.offset, about.epochs},
+                                                 {layout.datum.offset, datum},
+                                                 {layout.pages.offset, bytesOf(about.pages)}};
+  for (const auto& [offset, bytes] : parts)
+    if (Status status = writer.file_.put(offset, bytes); !status.ok()) return status.error();
+  if (about.tiles) {
+    const auto put = [&](uint64_t offset, ByteSpan what) {
+      return writer.file_.put(layout.tiles.offset + offset, what);
+    };
+    if (Status status = about.tiles->write(put); !status.ok()) return status.error();
+  }
   return writer;
 }
 
 std::span<const NodeRecord> SceneWriter::nodes() const {
-  return {reinterpret_cast<const NodeRecord*>(at(kNodes)), layout_.sections[kNodes].bytes / sizeof(NodeRecord)};
+  CHECK_TRUE(file_.data() != nullptr);
+  const SectionRange& range = layout_.sections[kNodes];
+  return {reinterpret_cast<const NodeRecord*>(file_.data() + range.offset), range.bytes / sizeof(NodeRecord)};
 }
-std::span<int32_t> SceneWriter::corners() {
-  return {reinterpret_cast<int32_t*>(at(kCorners)), layout_.sections[kCorners].bytes / sizeof(int32_t)};
-}
-std::span<int32_t> SceneWriter::centres() {
-  return {reinterpret_cast<int32_t*>(at(kCentres)), layout_.sections[kCentres].bytes / sizeof(int32_t)};
-}
-
-namespace {
-
-ByteSpan bytesOf(std::span<const NodeRecord> records) {
-  return {reinterpret_cast<const uint8_t*>(records.data()), records.size_bytes()};
-}
-
-}  // namespace
 
 Status SceneWriter::put(uint64_t first, std::span<const NodeRecord> records) const {
   return file_.put(layout_.sections[kNodes].offset + first * sizeof(NodeRecord), bytesOf(records));
@@ -95,6 +94,14 @@ Status SceneWriter::put(uint64_t first, std::span<const NodeRecord> records) con
 
 void SceneWriter::release(std::span<const NodeRecord> nodes) const { file_.release(bytesOf(nodes)); }
 
-Result<uint64_t> SceneWriter::finish() { return sealFile(file_, layout_.sections[kChecksums], header_); }
+Status SceneWriter::putBases() const {
+  if (Status s = file_.put(layout_.sections[kCorners].offset, bytesOf<int32_t>(corners_)); !s.ok()) return s;
+  return file_.put(layout_.sections[kCentres].offset, bytesOf<int32_t>(centres_));
+}
+
+Result<uint64_t> SceneWriter::finish() {
+  if (Status s = putBases(); !s.ok()) return s.error();
+  return sealFile(file_, layout_.sections[kChecksums], header_);
+}
 
 }  // namespace foreland::terrain
