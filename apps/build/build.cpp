@@ -29,8 +29,8 @@
 #include "terrain/dem/vertical/height_reference.h"
 #include "terrain/geo/geodesy.h"
 #include "terrain/pipeline/build.h"
+#include "terrain/pipeline/build_by_blocks.h"
 #include "terrain/pipeline/globe_build.h"
-#include "terrain/pipeline/merge_blocks.h"
 #include "terrain/surface_store/mapped_surface.h"
 
 namespace {

@@ -1,6 +1,6 @@
 // What bounds.h computes, block by block: a lattice is cut into squares, of each of which a BlockBounds follows from
 // the heights in it and a halo around it alone. Errors and radii are maxima, and maxima go upwards only, so all blocks
-// together say what the whole lattice would, to the bit, in any order (block_reduction.h).
+// together say what the whole lattice would, to the bit, in any order.
 //
 // Fine nodes, whose descendants lie within the halo, get their saturated errors; coarse ones the largest error over the
 // block's own samples, if the corners of their supports are the block's: half a side apart at most. What is coarser

@@ -23,20 +23,4 @@ struct MergeOptions {
 [[nodiscard]] Result<BuildReport> mergeBlocks(const ElevationSource& source, const BlockPlan& plan,
                                               const MergeOptions& options, const Progress& progress = {});
 
-struct WindowedOptions {
-  PlanOptions plan;
-  std::filesystem::path output;
-  unsigned threads = 0;
-};
-
-// Plan, blocks and merge in one go, in memory as PlanOptions has it. Blocks are kept in the folder "OUTPUT.blocks"
-// until the scene is complete, so a build that was killed goes on where it was.
-[[nodiscard]] Result<BuildReport> buildByBlocks(ElevationSource& source, const WindowedOptions& options,
-                                                const Progress& progress = {});
-
-// Makes those of the blocks [first, end) of a row whose files are not there yet. `heights` holds their halos.
-Status makeBlocks(const BlockPlan& plan, const ElevationInfo& info, const Blocks& blocks,
-                  const std::filesystem::path& folder, uint32_t row, uint32_t first, uint32_t end,
-                  const HeightWindow& heights, unsigned threads);
-
 }  // namespace foreland::terrain

@@ -9,6 +9,7 @@
 
 #include "terrain/pipeline/block_file.h"
 #include "terrain/pipeline/build.h"
+#include "terrain/pipeline/build_by_blocks.h"
 #include "terrain/store/verify.h"
 #include "tests/support/files.h"
 #include "tests/support/scene.h"
