@@ -31,6 +31,9 @@ struct Subcommand {
 
 constexpr std::array kSubcommands{
     Subcommand{"build", "make a scene file from elevation data"},
+    Subcommand{"plan", "list the blocks of a large scene, for many machines to make"},
+    Subcommand{"block", "make blocks of a plan"},
+    Subcommand{"merge", "make the scene file of a plan's blocks"},
     Subcommand{"synth", "make a synthetic mountain landscape"},
     Subcommand{"remesh", "make a surface file from a polygon model"},
     Subcommand{"info", "print what a scene or surface file holds"},

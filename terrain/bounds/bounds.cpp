@@ -54,16 +54,18 @@ class BoundsPass {
  public:
   explicit BoundsPass(const BoundsJob& job)
       : job_(job),
-        levels_(job.grid, job.frame),
-        tables_(proto::FrameTransform(job.frame), job.grid.maxX(), job.grid.maxY()),
+        levels_(job.spheres ? *job.spheres : proto::SphereLevels(job.grid, job.frame)),
+        own_tables_(job.tables ? std::nullopt : std::optional(tablesOf(job))),
+        tables_(job.tables ? *job.tables : *own_tables_),
         positions_(job.grid, job.frame, job.heights, tables_),
         extremes_(extremesOf(job, tables_)),
         error_(ErrorRows::makeError(job, tables_)) {}
 
   bool run() {
     double done = 0, all = 0;
-    for (int number = job_.grid.maxLevel(); number >= 1; --number) all += cost(number);
-    for (int number = job_.grid.maxLevel(); number >= 1; --number) {
+    const int finest = std::min(job_.from_level, job_.grid.maxLevel());
+    for (int number = finest; number >= 1; --number) all += cost(number);
+    for (int number = finest; number >= 1; --number) {
       const NodeLevel level(job_.grid, number);
       const auto between = [&](uint64_t bands) {
         const double fraction = (done + cost(number) * static_cast<double>(bands) / level.bands()) / all;
@@ -121,6 +123,9 @@ class BoundsPass {
       }
   }
 
+  static proto::GeographicTables tablesOf(const BoundsJob& job) {
+    return {proto::FrameTransform(job.frame), job.grid.maxX(), job.grid.maxY()};
+  }
   static std::vector<RowPositions> extremesOf(const BoundsJob& job, const proto::GeographicTables& tables) {
     std::vector<RowPositions> extremes;
     for (const Heights& heights : {job.lowest, job.highest})
@@ -140,18 +145,20 @@ class BoundsPass {
     band.errors_m.resize(row.count);
     band.radii_m.resize(row.count);
     band.child_errors.resize(row.count);
-    band.errors.compute(row, band.errors_m);
+    if (job_.raw_errors.empty()) band.errors.compute(row, band.errors_m);
     band.spheres.compute(row, band.radii_m, band.child_errors);
     row.forEachRun(job_.grid, [&](uint32_t i, proto::Slot slot, uint32_t count) {
       NodeRecord* record = &band.records[slot - band.first];
       for (uint32_t end = i + count; i < end; ++i, record += row.slot_step) {
         const int32_t height = positions_.quanta(row.first_x + i * row.step_x, row.y);
-        *record =
-            NodeRecord::of(height, height - positions_.middleQuanta(row.node(i)),
-                           std::max({proto::QuantisedError::roundUp(band.errors_m[i] + job_.rounding_m),
-                                     proto::QuantisedError{band.child_errors[i]},
-                                     minError(band.first + static_cast<proto::Slot>(record - band.records.data()))}),
-                           levels_.roundUp(level, band.radii_m[i] + kSpherePad_m));
+        const proto::Slot at = band.first + static_cast<proto::Slot>(record - band.records.data());
+        const proto::QuantisedError raw =
+            job_.raw_errors.empty()
+                ? std::max(proto::QuantisedError::roundUp(band.errors_m[i] + job_.rounding_m), minError(at))
+                : job_.raw_errors[at];
+        *record = NodeRecord::of(height, height - positions_.middleQuanta(row.node(i)),
+                                 std::max(raw, proto::QuantisedError{band.child_errors[i]}),
+                                 levels_.roundUp(level, band.radii_m[i] + kSpherePad_m));
       }
     });
   }
@@ -168,7 +175,8 @@ class BoundsPass {
 
   const BoundsJob& job_;
   proto::SphereLevels levels_;
-  proto::GeographicTables tables_;
+  std::optional<proto::GeographicTables> own_tables_;  // none if the job has some
+  const proto::GeographicTables& tables_;
   RowPositions positions_;
   std::vector<RowPositions> extremes_;
   Error error_;

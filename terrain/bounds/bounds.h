@@ -13,6 +13,7 @@
 #include <span>
 
 #include "proto/space/frame_grid.h"
+#include "proto/space/geographic_tables.h"
 #include "proto/topology/grid.h"
 #include "terrain/bounds/heights.h"
 #include "terrain/store/scene.h"
@@ -30,6 +31,14 @@ struct BoundsJob {
   std::span<const proto::QuantisedError> min_errors{};
   // What heights were rounded by makes of an error at most; errors are larger by as much. Metres.
   double rounding_m = 0;
+  // By slot, the errors themselves, before they are saturated; empty: those of the heights.
+  std::span<const proto::QuantisedError> raw_errors{};
+  // The finest level that is computed, if not the grid's: `nodes` has the records of those below it.
+  int from_level = proto::GridTopology::kMaxLevels;
+  // Of a lattice that is a part of a larger one, or has only some of its points: the larger one's spheres of this one's
+  // levels, and its tables at this one's rows and columns. Null: those of `grid`.
+  const proto::SphereLevels* spheres = nullptr;
+  const proto::GeographicTables* tables = nullptr;
   // Only nodes whose supports reach a lattice row from first_row to last_row get errors; the others' are zero.
   uint32_t first_row = 0, last_row = 0xffffffff;
   std::span<const NodeRecord> nodes;  // slotCount() records, in which what `store` is given appears

@@ -15,15 +15,32 @@
 
 namespace foreland::terrain {
 
+// The samples that count, both corners included.
+struct ErrorWindow {
+  uint32_t low_x = 0, low_y = 0, high_x = ~0u, high_y = ~0u;
+};
+
+// Where the heights of triangles' corners are known, if not among the samples: every 2^log2 of the lattice.
+struct CornerHeights {
+  Heights heights;
+  uint32_t log2 = 0;
+  int32_t at(proto::NodeId v) const { return heights.clamped(v.x() >> log2, v.y() >> log2); }
+};
+
 class PlanarError {
  public:
-  PlanarError(const proto::GridTopology& grid, const proto::Frame& frame, const Heights& heights);
-  double metres(proto::NodeId n) const;
+  PlanarError(const proto::GridTopology& grid, const proto::Frame& frame, const Heights& heights)
+      : PlanarError(grid, frame, heights, CornerHeights{heights}) {}
+  PlanarError(const proto::GridTopology& grid, const proto::Frame& frame, const Heights& heights,
+              const CornerHeights& corners);
+  // In a window: the largest over several windows is that over all of them. Triangles that only touch it are left out.
+  double metres(proto::NodeId n, const ErrorWindow& window = {}) const;
   double inMetres(double quanta) const;
 
  private:
   const proto::GridTopology& grid_;
   Heights heights_;
+  CornerHeights corners_;
   double height_quantum_m_;
 };
 
@@ -31,14 +48,18 @@ class GeographicError {
  public:
   // `tables` are those of the frame for all of the grid; the caller keeps them.
   GeographicError(const proto::GridTopology& grid, const proto::Frame& frame, const Heights& heights,
-                  const proto::GeographicTables& tables);
-  double metres(proto::NodeId n) const;
+                  const proto::GeographicTables& tables)
+      : GeographicError(grid, frame, heights, CornerHeights{heights}, tables) {}
+  GeographicError(const proto::GridTopology& grid, const proto::Frame& frame, const Heights& heights,
+                  const CornerHeights& corners, const proto::GeographicTables& tables);
+  double metres(proto::NodeId n, const ErrorWindow& window = {}) const;
 
  private:
   glm::dvec3 corner(proto::NodeId v) const;
 
   const proto::GridTopology& grid_;
   Heights heights_;
+  CornerHeights corners_;
   double height_quantum_m_;
   double polar_;  // (1 - e^2): shortens the normal along the axis
   const proto::GeographicTables& tables_;

@@ -1,4 +1,5 @@
-// The quantised samples of the true surface, which bounds are computed from. A view; immutable; any thread.
+// The quantised samples of the true surface, which bounds are computed from: all of them, or those of a window, of
+// which whoever asks for others gets what is not there. A view; immutable; any thread.
 #pragma once
 
 #include <algorithm>
@@ -14,10 +15,16 @@ namespace foreland::terrain {
 
 struct Heights {
   std::span<const int32_t> quanta;  // row by row from the south
-  uint32_t width = 0;
+  uint32_t width = 0;               // of all of the surface
   uint32_t height = 0;
+  uint32_t first_x = 0, first_y = 0;  // the sample that quanta[0] is
+  uint32_t stride = 0;                // from row to row of quanta; 0: width
 
-  const int32_t* row(uint32_t y) const { return quanta.data() + static_cast<size_t>(y) * width; }
+  // The sample (0, y), where that is in the window; others are as far from it as they are from each other.
+  const int32_t* row(uint32_t y) const {
+    return quanta.data() + static_cast<ptrdiff_t>(static_cast<size_t>(y - first_y) * (stride ? stride : width)) -
+           static_cast<ptrdiff_t>(first_x);
+  }
   // The sample at (x, y); outside the data, the nearest one.
   int32_t clamped(uint32_t x, uint32_t y) const { return row(std::min(y, height - 1))[std::min(x, width - 1)]; }
 };

@@ -40,7 +40,8 @@ void RowPositions::fill(const NodeRow& row, const Out& out) const {
       row.first_x >= heights_.width ? 0 : std::min(row.count, (heights_.width - 1 - row.first_x) / row.step_x + 1);
   for (uint32_t i = 0; i < with_data; ++i)
     out.z[i] = quanta[row.first_x + static_cast<size_t>(i) * row.step_x] * frame_.height_quantum_m;
-  std::fill(out.z + with_data, out.z + row.count, quanta[heights_.width - 1] * frame_.height_quantum_m);
+  if (with_data < row.count)
+    std::fill(out.z + with_data, out.z + row.count, quanta[heights_.width - 1] * frame_.height_quantum_m);
   toPositions(row, out);
 }
 
@@ -51,9 +52,10 @@ void RowPositions::fillMiddles(const NodeRow& row, const Out& out) const {
 
 void RowPositions::toPositions(const NodeRow& row, const Out& out) const {
   if (frame_.kind == proto::FrameKind::kPlanar) {
-    const double dy = row.y - frame_.anchor.y, x0 = row.first_x - frame_.anchor.x, step = row.step_x;
+    // Exact but for the anchor: a position does not depend on where its row begins.
+    const double dy = row.y - frame_.anchor.y, x0 = row.first_x, step = row.step_x;
     for (uint32_t i = 0; i < row.count; ++i) {
-      const double dx = x0 + step * i;
+      const double dx = (x0 + step * i) - frame_.anchor.x;
       out.x[i] = dx * frame_.axis_x_m.x + dy * frame_.axis_y_m.x;
       out.y[i] = dx * frame_.axis_x_m.y + dy * frame_.axis_y_m.y;
     }

@@ -89,25 +89,10 @@ double chooseQuantum(std::span<const float> metres, const std::vector<EpochSampl
     if (!std::all_of(metres.begin(), metres.end(), fits) ||
         !std::ranges::all_of(epochs, [&](const EpochSamples& e) { return std::ranges::all_of(e.metres, fits); }))
       continue;
-    origin.notes.push_back("all heights are multiples of " +
-                           std::string(quantum_m == 1     ? "1"
-                                       : quantum_m == 0.5 ? "0.5"
-                                                          : "0.25") +
-                           " m, and are kept in steps of it");
+    origin.notes.push_back(quantumNote(quantum_m));
     return quantum_m;
   }
   return options.height_quantum_m;
-}
-
-// Corners and centres of the roots.
-void fillBase(const proto::GridShape& shape, const Heights& heights, SceneWriter& writer) {
-  const uint32_t size = 1u << shape.root_log2, half = size / 2;
-  auto corner = writer.corners().begin();
-  for (uint32_t y = 0; y <= shape.roots_y; ++y)
-    for (uint32_t x = 0; x <= shape.roots_x; ++x) *corner++ = heights.clamped(x * size, y * size);
-  auto centre = writer.centres().begin();
-  for (uint32_t y = 0; y < shape.roots_y; ++y)
-    for (uint32_t x = 0; x < shape.roots_x; ++x) *centre++ = heights.clamped(x * size + half, y * size + half);
 }
 
 struct Terrain {
@@ -194,7 +179,8 @@ Result<ImageryReport> makeImagery(const Terrain& terrain, const BuildOptions& op
 // Relief, unless the scene changes in time: it holds one ground only.
 Status makeRelief(const Terrain& terrain, const BuildOptions& options, const Progress& progress, TileSection& section) {
   if (terrain.epochs) return {};
-  const auto made = addRelief(terrain.heights, terrain.frame, options.threads, stage(progress, "relief"), section);
+  const auto made =
+      addRelief(HeightRows::of(terrain.heights), terrain.frame, options.threads, stage(progress, "relief"), section);
   if (!made) return made.error();
   return *made ? Status() : Status(stopped());
 }
@@ -223,21 +209,6 @@ Status bound(const Terrain& terrain, unsigned threads, const SceneWriter& writer
            }});
   if (!failure.status().ok()) return failure.status();
   return complete ? Status() : Status(stopped());
-}
-
-uint64_t nodeCount(const proto::GridTopology& grid) {
-  const proto::GridShape& s = grid.shape();
-  return (grid.maxX() + 1ull) * (grid.maxY() + 1ull) - (s.roots_x + 1ull) * (s.roots_y + 1ull) -
-         static_cast<uint64_t>(s.roots_x) * s.roots_y;
-}
-
-Result<proto::GridTopology> gridFor(const ElevationInfo& info) {
-  if (info.width < 2 || info.height < 2 || info.width > proto::GridTopology::kMaxSamples ||
-      info.height > proto::GridTopology::kMaxSamples)
-    return Error{ErrorCode::kUnsupported, info.title + ": " + std::to_string(info.width) + " x " +
-                                              std::to_string(info.height) +
-                                              " samples; a scene needs at least 2 and at most 2^20 a side"};
-  return proto::GridTopology::create(proto::GridTopology::shapeFor(info.width, info.height));
 }
 
 // Bilinear height of the ground in metres at a lattice position; nothing outside the data.
@@ -318,7 +289,8 @@ Result<BuildReport> buildScene(ElevationSource& source, const BuildOptions& opti
                                                      .threads = options.threads,
                                                      .tiles = &*tiles});
   if (!writer.ok()) return writer.error();
-  fillBase(grid->shape(), heights, *writer);
+  fillBase(
+      grid->shape(), [&](uint32_t x, uint32_t y) { return heights.clamped(x, y); }, *writer);
 
   if (Status status = bound(terrain, options.threads, *writer, progress); !status.ok()) return status.error();
   if (!progress.keepGoing()) return stopped();

@@ -8,11 +8,48 @@
 #include "terrain/imagery/imagery.h"
 #include "terrain/picture_source.h"
 #include "terrain/store/scene.h"
+#include "terrain/store/scene_writer.h"
 #include "terrain/store/tables/datum_section.h"
 
 namespace foreland::terrain {
 
 inline Error stopped() { return {ErrorCode::kIo, "stopped before the scene was complete; nothing was written"}; }
+
+// Padding not counted.
+inline uint64_t nodeCount(const proto::GridTopology& grid) {
+  const proto::GridShape& s = grid.shape();
+  return (grid.maxX() + 1ull) * (grid.maxY() + 1ull) - (s.roots_x + 1ull) * (s.roots_y + 1ull) -
+         static_cast<uint64_t>(s.roots_x) * s.roots_y;
+}
+
+inline Result<proto::GridTopology> gridFor(const ElevationInfo& info) {
+  if (info.width < 2 || info.height < 2 || info.width > proto::GridTopology::kMaxSamples ||
+      info.height > proto::GridTopology::kMaxSamples)
+    return Error{ErrorCode::kUnsupported, info.title + ": " + std::to_string(info.width) + " x " +
+                                              std::to_string(info.height) +
+                                              " samples; a scene needs at least 2 and at most 2^20 a side"};
+  return proto::GridTopology::create(proto::GridTopology::shapeFor(info.width, info.height));
+}
+
+inline std::string quantumNote(double quantum_m) {
+  return "all heights are multiples of " +
+         std::string(quantum_m == 1     ? "1"
+                     : quantum_m == 0.5 ? "0.5"
+                                        : "0.25") +
+         " m, and are kept in steps of it";
+}
+
+// Corners and centres of the roots, of which heightAt(x, y) knows the heights.
+template <class HeightAt>
+void fillBase(const proto::GridShape& shape, const HeightAt& heightAt, SceneWriter& writer) {
+  const uint32_t size = 1u << shape.root_log2, half = size / 2;
+  auto corner = writer.corners().begin();
+  for (uint32_t y = 0; y <= shape.roots_y; ++y)
+    for (uint32_t x = 0; x <= shape.roots_x; ++x) *corner++ = heightAt(x * size, y * size);
+  auto centre = writer.centres().begin();
+  for (uint32_t y = 0; y < shape.roots_y; ++y)
+    for (uint32_t x = 0; x < shape.roots_x; ++x) *centre++ = heightAt(x * size + half, y * size + half);
+}
 
 // Samples that stayed where they were differ by rounding alone; that comes to what others differ by.
 inline SceneDatum datumOf(const proto::VerticalDatum& vertical, const std::vector<ElevationInput>& inputs,

@@ -1,8 +1,9 @@
 #include "terrain/store/scene_writer.h"
 
 #include <algorithm>
-#include <cstring>
+#include <utility>
 
+#include "base/check.h"
 #include "terrain/store/coded/write_coded.h"
 #include "terrain/store/file/mapped_file.h"
 #include "terrain/store/file/seal.h"
@@ -10,6 +11,11 @@
 namespace foreland::terrain {
 
 namespace {
+
+template <class T>
+ByteSpan bytesOf(std::span<const T> values) {
+  return {reinterpret_cast<const uint8_t*>(values.data()), values.size_bytes()};
+}
 
 // The oldest that holds it, so that a scene has the bytes that it always had.
 uint32_t versionFor(const SceneWriter::About& about, bool is_stated) {
@@ -62,39 +68,32 @@ Result<SceneWriter> SceneWriter::create(const std::filesystem::path& target, con
   h.version = versionFor(about, is_stated);
   h.page_coding = about.page_coding;
 
-  auto file = NewFile::create(target, layout.file_bytes);
+  auto file = NewFile::create(target, layout.file_bytes, about.mapping);
   if (!file.ok()) return file.error();
   SceneWriter writer(std::move(file).value(), layout, h);
   writer.target_ = target;
   writer.threads_ = about.threads;
-  std::memcpy(writer.at(kText), text.data(), text.size());
-  if (!about.objects.empty()) std::memcpy(writer.at(kObjects), about.objects.data(), about.objects.size());
-  if (!about.epochs.empty()) std::memcpy(writer.at(layout.epochs), about.epochs.data(), about.epochs.size());
-  if (is_stated) std::memcpy(writer.at(layout.datum), datum.data(), datum.size());
-  if (!about.pages.empty()) std::memcpy(writer.at(layout.pages), about.pages.data(), about.pages.size_bytes());
-  if (about.tiles)
-    if (Status status = about.tiles->write({writer.at(layout.tiles), layout.tiles.bytes}); !status.ok())
-      return status.error();
+  const std::pair<uint64_t, ByteSpan> parts[] = {{layout.sections[kText].offset, text},
+                                                 {layout.sections[kObjects].offset, about.objects},
+                                                 {layout.epochs.offset, about.epochs},
+                                                 {layout.datum.offset, datum},
+                                                 {layout.pages.offset, bytesOf(about.pages)}};
+  for (const auto& [offset, bytes] : parts)
+    if (Status status = writer.file_.put(offset, bytes); !status.ok()) return status.error();
+  if (about.tiles) {
+    const auto put = [&](uint64_t offset, ByteSpan what) {
+      return writer.file_.put(layout.tiles.offset + offset, what);
+    };
+    if (Status status = about.tiles->write(put); !status.ok()) return status.error();
+  }
   return writer;
 }
 
 std::span<const NodeRecord> SceneWriter::nodes() const {
-  return {reinterpret_cast<const NodeRecord*>(at(kNodes)), layout_.sections[kNodes].bytes / sizeof(NodeRecord)};
+  CHECK_TRUE(file_.data() != nullptr);
+  const SectionRange& range = layout_.sections[kNodes];
+  return {reinterpret_cast<const NodeRecord*>(file_.data() + range.offset), range.bytes / sizeof(NodeRecord)};
 }
-std::span<int32_t> SceneWriter::corners() {
-  return {reinterpret_cast<int32_t*>(at(kCorners)), layout_.sections[kCorners].bytes / sizeof(int32_t)};
-}
-std::span<int32_t> SceneWriter::centres() {
-  return {reinterpret_cast<int32_t*>(at(kCentres)), layout_.sections[kCentres].bytes / sizeof(int32_t)};
-}
-
-namespace {
-
-ByteSpan bytesOf(std::span<const NodeRecord> records) {
-  return {reinterpret_cast<const uint8_t*>(records.data()), records.size_bytes()};
-}
-
-}  // namespace
 
 Status SceneWriter::put(uint64_t first, std::span<const NodeRecord> records) const {
   return file_.put(layout_.sections[kNodes].offset + first * sizeof(NodeRecord), bytesOf(records));
@@ -102,7 +101,13 @@ Status SceneWriter::put(uint64_t first, std::span<const NodeRecord> records) con
 
 void SceneWriter::release(std::span<const NodeRecord> nodes) const { file_.release(bytesOf(nodes)); }
 
+Status SceneWriter::putBases() const {
+  if (Status s = file_.put(layout_.sections[kCorners].offset, bytesOf<int32_t>(corners_)); !s.ok()) return s;
+  return file_.put(layout_.sections[kCentres].offset, bytesOf<int32_t>(centres_));
+}
+
 Result<uint64_t> SceneWriter::finish() {
+  if (Status s = putBases(); !s.ok()) return s.error();
   if (header_.page_coding == PageCoding::kCoded) return finishCoded();
   return sealFile(file_, layout_.sections[kChecksums], header_);
 }
@@ -114,7 +119,7 @@ Result<uint64_t> SceneWriter::finishCoded() {
   const auto directory = proto::PageDirectory::create(*grid, sectionOf<proto::PageBlock>(file_.span(), header_.pages));
   CHECK_TRUE(directory.ok());
   const proto::Frame frame = getFrame(header_);
-  const CodedTerrain terrain{*grid, *directory, nodes(), {corners(), centres()}, frame};
+  const CodedTerrain terrain{*grid, *directory, nodes(), {corners_, centres_}, frame};
   const auto pages = CodedPagesWriter::create(terrain, target_, threads_);
   if (!pages.ok()) return pages.error();
   const FileLayout coded = FileLayout::of(grid->shape(), *directory,

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <span>
 #include <utility>
+#include <vector>
 
 #include "base/result.h"
 #include "terrain/store/file/new_file.h"
@@ -33,14 +34,15 @@ class SceneWriter {
     const TileSection* tiles = nullptr;  // A scene without tiles has none; create() alone reads it.
     // The pages that are there of the sparse levels (proto::blocksOf); create() alone reads it.
     std::span<const proto::PageBlock> pages{};
+    FileMapping mapping = FileMapping::kMapped;
   };
   static Result<SceneWriter> create(const std::filesystem::path& target, const About& about);
 
-  // By place. The records are zero until put() writes them. The caller fills corners() and centres(), which are zero at
-  // first.
+  // By place. The records are zero until put() writes them. A file that is not mapped has none to look at. The caller
+  // fills corners() and centres(), which are zero at first.
   std::span<const NodeRecord> nodes() const;
-  std::span<int32_t> corners();
-  std::span<int32_t> centres();
+  std::span<int32_t> corners() { return corners_; }
+  std::span<int32_t> centres() { return centres_; }
   uint64_t fileBytes() const { return layout_.file_bytes; }
 
   // Writes records from place `first` on (proto::PageDirectory), which is their slot where all levels are whole;
@@ -56,16 +58,20 @@ class SceneWriter {
 
  private:
   SceneWriter(NewFile file, const FileLayout& layout, const FileHeader& header)
-      : file_(std::move(file)), layout_(layout), header_(header) {}
+      : file_(std::move(file)),
+        layout_(layout),
+        header_(header),
+        corners_(layout.sections[kCorners].bytes / sizeof(int32_t)),
+        centres_(layout.sections[kCentres].bytes / sizeof(int32_t)) {}
+  Status putBases() const;
   Result<uint64_t> finishCoded();
-  uint8_t* at(SectionKind kind) const { return file_.data() + layout_.sections[kind].offset; }
-  uint8_t* at(const SectionRange& range) const { return file_.data() + range.offset; }
 
   std::filesystem::path target_;
   unsigned threads_ = 0;
   NewFile file_;
   FileLayout layout_;
   FileHeader header_;
+  std::vector<int32_t> corners_, centres_;
 };
 
 }  // namespace foreland::terrain

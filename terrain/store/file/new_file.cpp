@@ -49,13 +49,13 @@ Error NewFile::systemError(const std::string& doing) const {
   return {ErrorCode::kIo, target_.string() + ": " + doing + ": " + why + way_out};
 }
 
-Result<NewFile> NewFile::create(const std::filesystem::path& target, uint64_t bytes) {
+Result<NewFile> NewFile::create(const std::filesystem::path& target, uint64_t bytes, FileMapping mapping) {
   NewFile file;
   file.target_ = target;
   file.bytes_ = bytes;
   if (Status status = checkTarget(target); !status.ok()) return status.error();
   if (Status status = file.openTemporary(); !status.ok()) return status.error();
-  if (Status status = file.reserve(); !status.ok()) return status.error();
+  if (Status status = file.reserve(mapping); !status.ok()) return status.error();
   return file;
 }
 
@@ -84,7 +84,7 @@ Status NewFile::openTemporary() {
   return {};
 }
 
-Status NewFile::reserve() {
+Status NewFile::reserve(FileMapping mapping) {
   // Writing beyond a file size limit would raise a signal instead of returning an error.
   rlimit limit{};
   if (::getrlimit(RLIMIT_FSIZE, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY && bytes_ > limit.rlim_cur) {
@@ -95,6 +95,7 @@ Status NewFile::reserve() {
     errno = error;
     return systemError("cannot reserve its space");
   }
+  if (mapping == FileMapping::kNone) return {};
   void* data = ::mmap(nullptr, bytes_, PROT_READ | PROT_WRITE, MAP_SHARED, file_, 0);
   if (data == MAP_FAILED) return systemError("cannot map it");
   data_ = static_cast<uint8_t*>(data);
@@ -111,6 +112,16 @@ Status NewFile::put(uint64_t offset, ByteSpan what) const {
   return {};
 }
 
+Status NewFile::read(uint64_t offset, std::span<uint8_t> out) const {
+  for (size_t done = 0; done < out.size();) {
+    const ssize_t got = ::pread(file_, out.data() + done, out.size() - done, static_cast<off_t>(offset + done));
+    if (got < 0 && errno == EINTR) continue;
+    if (got <= 0) return systemError("cannot read it again");
+    done += static_cast<size_t>(got);
+  }
+  return {};
+}
+
 void NewFile::release(ByteSpan what) const {
   const auto begin = (reinterpret_cast<uintptr_t>(what.data()) + kPage - 1) & ~(kPage - 1);
   const auto end = reinterpret_cast<uintptr_t>(what.data() + what.size()) & ~(kPage - 1);
@@ -118,7 +129,7 @@ void NewFile::release(ByteSpan what) const {
 }
 
 Status NewFile::finish() {
-  if (::msync(data_, bytes_, MS_SYNC) != 0 || ::fsync(file_) != 0) return systemError("cannot write it");
+  if ((data_ && ::msync(data_, bytes_, MS_SYNC) != 0) || ::fsync(file_) != 0) return systemError("cannot write it");
   return name();
 }
 

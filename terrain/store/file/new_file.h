@@ -7,6 +7,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <span>
 #include <string>
 
 #include "base/bytes.h"
@@ -14,21 +15,27 @@
 
 namespace foreland::terrain {
 
+// Whether a new file is mapped into memory: without it a process of little address space can write it.
+enum class FileMapping : uint8_t { kMapped, kNone };
+
 class NewFile {
  public:
-  // `bytes` are reserved, mapped and zero.
-  static Result<NewFile> create(const std::filesystem::path& target, uint64_t bytes);
+  // `bytes` are reserved, zero and, unless `mapping` says otherwise, mapped.
+  static Result<NewFile> create(const std::filesystem::path& target, uint64_t bytes,
+                                FileMapping mapping = FileMapping::kMapped);
 
   NewFile(NewFile&& other) noexcept;
   NewFile& operator=(NewFile&&) = delete;
   ~NewFile();
 
-  uint8_t* data() const { return data_; }
+  uint8_t* data() const { return data_; }  // null if it is not mapped
   uint64_t bytes() const { return bytes_; }
   ByteSpan span() const { return {data_, bytes_}; }
 
   // Writes at `offset`; data() shows the result. A write call costs a third of stores through the mapping.
   Status put(uint64_t offset, ByteSpan what) const;
+  // Fills `out` with what was written from `offset` on.
+  Status read(uint64_t offset, std::span<uint8_t> out) const;
   // Lets pages of data() leave this process's memory; their content stays in the file.
   void release(ByteSpan what) const;
 
@@ -38,7 +45,7 @@ class NewFile {
  private:
   NewFile() = default;
   Status openTemporary();
-  Status reserve();
+  Status reserve(FileMapping mapping);
   Status name();
   Error systemError(const std::string& doing) const;
 

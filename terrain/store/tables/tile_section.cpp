@@ -61,7 +61,7 @@ std::vector<proto::TileId> treeOf(const proto::TileLayer& layer, uint8_t index, 
 Result<TileSection> TileSection::create(const std::filesystem::path& target) {
   auto spool = SpoolFile::create(target);
   if (!spool) return spool.error();
-  return TileSection(std::move(spool).value());
+  return TileSection(std::move(spool).value(), target);
 }
 
 uint8_t TileSection::addLayer(const proto::TileLayer& layer) {
@@ -138,9 +138,10 @@ uint64_t TileSection::bytes() const {
   return size;
 }
 
-Status TileSection::write(std::span<uint8_t> out) const {
-  CHECK_EQ(out.size(), bytes());
-  uint8_t* at = out.data();
+Status TileSection::write(const std::function<Status(uint64_t offset, ByteSpan what)>& put) const {
+  const uint64_t first_byte = bytes() - spool_.bytes();
+  Bytes start_bytes(first_byte), tile_bytes;
+  uint8_t* at = start_bytes.data();
   const TileSectionStart start{static_cast<uint32_t>(layers_.size()), 0};
   putAll(std::span(&start, 1), at);
   std::vector<std::vector<StoredTile>> directories;
@@ -150,11 +151,13 @@ Status TileSection::write(std::span<uint8_t> out) const {
     if (layers_[i].isGlobe()) about.tiles = static_cast<uint32_t>(directories[i].size());
     putAll(std::span<const StoredLayer>(&about, 1), at);
   }
-  uint64_t offset = out.size() - spool_.bytes();
+  uint64_t offset = first_byte;
   for (const auto& tiles : directories)
     for (StoredTile tile : tiles) {
       if (tile.bytes > 0) {
-        if (Status s = spool_.read(tile.offset, out.subspan(offset, tile.bytes)); !s.ok()) return s;
+        tile_bytes.resize(tile.bytes);
+        if (Status s = spool_.read(tile.offset, tile_bytes); !s.ok()) return s;
+        if (Status s = put(offset, tile_bytes); !s.ok()) return s;
         tile.offset = offset;
         offset += tile.bytes;
       }
@@ -162,7 +165,7 @@ Status TileSection::write(std::span<uint8_t> out) const {
     }
   for (const proto::TileLayer& layer : layers_)
     putAll(std::span(reinterpret_cast<const uint8_t*>(layer.attribution.data()), layer.attribution.size()), at);
-  return {};
+  return put(0, start_bytes);
 }
 
 }  // namespace foreland::terrain

@@ -79,14 +79,18 @@ class TileSection {
 
   // Size of the whole section; 0 without layers.
   uint64_t bytes() const;
-  // Into bytes() bytes. The result does not depend on the order of add().
-  Status write(std::span<uint8_t> out) const;
+  // Calls put(offset, bytes) for all of its bytes(), in pieces. They do not depend on the order of add().
+  Status write(const std::function<Status(uint64_t offset, ByteSpan what)>& put) const;
+
+  // A file for who makes tiles, on the disk where they wait.
+  Result<SpoolFile> scratch() const { return SpoolFile::create(target_); }
 
  private:
-  explicit TileSection(SpoolFile spool) : spool_(std::move(spool)) {}
+  TileSection(SpoolFile spool, std::filesystem::path target) : target_(std::move(target)), spool_(std::move(spool)) {}
   const StoredTile* find(const proto::TileId& tile) const;
   std::vector<StoredTile> directory(uint8_t layer) const;
 
+  std::filesystem::path target_;
   SpoolFile spool_;
   std::vector<proto::TileLayer> layers_;
   // Offsets are those in the spool. Of layers of a globe `tiles_` is empty, and what was added is in `sparse_`.

@@ -43,7 +43,11 @@ struct Aligned {
 
 Aligned bytesOf(const TileSection& section) {
   Aligned out(section.bytes());
-  EXPECT_TRUE(section.write({out.data(), out.size}).ok());
+  const auto put = [&](uint64_t offset, ByteSpan what) {
+    std::copy(what.begin(), what.end(), out.data() + offset);
+    return Status();
+  };
+  EXPECT_TRUE(section.write(put).ok());
   return out;
 }
 

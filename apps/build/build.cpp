@@ -15,6 +15,7 @@
 #include <string_view>
 #include <vector>
 
+#include "apps/build/elevation_options.h"
 #include "apps/options/command_line.h"
 #include "apps/options/date.h"
 #include "apps/options/foreign_files.h"
@@ -30,6 +31,7 @@
 #include "terrain/dem/vertical/height_reference.h"
 #include "terrain/geo/geodesy.h"
 #include "terrain/pipeline/build.h"
+#include "terrain/pipeline/build_by_blocks.h"
 #include "terrain/pipeline/globe_build.h"
 #include "terrain/surface_store/mapped_surface.h"
 
@@ -39,14 +41,10 @@ using namespace foreland;
 using Clock = std::chrono::steady_clock;
 
 struct Arguments {
-  std::vector<std::filesystem::path> inputs;
+  apps::ElevationArguments elevation;
   std::filesystem::path output;
-  std::vector<std::string> insets;
-  std::vector<int> inset_priorities;
-  terrain::OpenOptions open;
   bool is_globe = false;
-  std::optional<double> vertical_step_m;
-  unsigned threads = 0;
+  unsigned threads = 0, memory_mib = 1024;
   terrain::PageCoding page_coding = terrain::PageCoding::kPlain;
   std::vector<std::string> objects, epochs;
   proto::EpochBlend epoch_blend = proto::EpochBlend::kLinear;
@@ -57,97 +55,25 @@ struct Arguments {
   apps::ForeignFiles foreign;
 };
 
-void describeInsets(CLI::App& app, Arguments& arguments) {
-  CLI::Option* inset = app.add_option(
-      "--inset", arguments.insets,
-      "elevation of another grid, resolution or reference system that is laid over the inputs: the lattice becomes as "
-      "fine as the finest inset, of several the one named first lies on top, and its voids show what is below. An "
-      "inset that is coarser than the inputs shows only where these have voids");
-  inset->type_name(apps::file("FILE"))->allow_extra_args(false);
-  app.add_option("--inset-priority", arguments.inset_priorities,
-                 "of the insets in their order, as many as there are: those of a higher one lie over others")
-      ->type_name(apps::whole("N"))
-      ->allow_extra_args(false)
-      ->needs(inset);
-  app.add_option("--feather", arguments.open.feather_m,
-                 "metres over which an inset's edges are mixed with what is below it; by default four samples of the "
-                 "inputs, and at most an eighth of the inset's shorter side")
-      ->type_name(apps::number("M"))
-      ->check(apps::within(0.0, 1e7));
-  app.add_option(
-         "--residual", arguments.open.residual_m,
-         "metres that the scene may be off an inset's samples before heights are rounded: the lattice is refined "
-         "only as far as that takes, and to at most a quarter of the finest inset's distance between samples")
-      ->type_name(apps::number("M"))
-      ->check(apps::above(0));
-}
-
 void describeElevation(CLI::App& app, Arguments& arguments) {
-  app.add_option(
-         "INPUT", arguments.inputs,
-         "elevation files: whatever GDAL reads (GeoTIFF, HGT, zipped too, ASCII grid, netCDF, USGS DEM, PNG), or "
-         "OpenEXR height maps; several make a mosaic")
-      ->type_name(apps::file("INPUT"))
-      ->required();
   app.add_option("-o,--output", arguments.output, "the scene file to write")
       ->type_name(apps::file("SCENE.fls"))
       ->required();
   app.add_flag("--globe", arguments.is_globe,
                "the ground of a whole body: the inputs go around it, in latitude and longitude and to both poles, and "
                "insets are fine where they are. Heights above a geoid (--vertical) become heights above the ellipsoid");
-  app.add_option("--nodata", arguments.open.nodata, "treat this height as a void, whatever the file says")
-      ->type_name(apps::number("V"));
-  app.add_option("--vertical-step", arguments.vertical_step_m,
-                 "heights are rounded to multiples of this many metres; by default 1, 0.5 or 0.25 if all heights are "
-                 "multiples of it, else 0.1, and finer for samples closer than 2 m")
-      ->type_name(apps::number("M"))
-      ->check(apps::above(0));
-  app.add_option("--spacing", arguments.open.spacing_m,
-                 "metres between samples, for files without a reference system (OpenEXR, PNG)")
-      ->type_name(apps::number("M"))
-      ->check(apps::isFinite());
-  app.add_option("--channel", arguments.open.channel, "EXR channel, band number, or variable of a file with several")
-      ->type_name(apps::text("NAME"));
-  static const std::map<std::string, terrain::FrameChoice> frames{{"auto", terrain::FrameChoice::kAuto},
-                                                                  {"planar", terrain::FrameChoice::kPlanar},
-                                                                  {"projected", terrain::FrameChoice::kPlanar},
-                                                                  {"geographic", terrain::FrameChoice::kGeographic}};
-  app.add_option_function<std::string>(
-         "--frame", [&](const std::string& name) { arguments.open.frame = frames.at(name); },
-         "how to interpret the coordinates; by default as the file's reference system says, but in latitude and "
-         "longitude "
-         "where its map is off by more than 0.5 %, as Mercator's; projected keeps the map; planar flattens degrees, "
-         "too")
-      ->check(apps::oneOf({"auto", "planar", "projected", "geographic"}))
-      ->default_str("auto");
-  static const std::map<std::string, double> units{{"m", 1},     {"ft", 0.3048}, {"us-ft", 1200.0 / 3937.0},
-                                                   {"km", 1000}, {"cm", 0.01},   {"mm", 0.001}};
-  app.add_option_function<std::string>(
-         "--height-unit", [&](const std::string& name) { arguments.open.height_unit = units.at(name); },
-         "of the heights in the files, whatever they say; by default as their bands say, else the vertical parts of "
-         "their "
-         "reference systems, else metres")
-      ->check(apps::oneOf({"m", "ft", "us-ft", "km", "cm", "mm"}));
-  static const std::map<std::string, terrain::HeightEncoding> encodings{
-      {"plain", terrain::HeightEncoding::kPlain},
-      {"terrarium", terrain::HeightEncoding::kTerrarium},
-      {"terrain-rgb", terrain::HeightEncoding::kTerrainRgb}};
-  app.add_option_function<std::string>(
-         "--encoding", [&](const std::string& name) { arguments.open.encoding = encodings.at(name); },
-         "how samples encode heights; terrarium: red * 256 + green + blue / 256 - 32768; terrain-rgb: (red * 65536 + "
-         "green * 256 + blue) / 10 - 10000; of pictures whose colours are heights it is found out")
-      ->check(apps::oneOf({"plain", "terrarium", "terrain-rgb"}))
-      ->default_str("plain");
-  app.add_option("--vertical", arguments.open.vertical,
-                 "what the heights of the inputs are above: ellipsoid, egm96, egm2008, a grid of undulations that PROJ "
-                 "reads (.gtx, .tif), or file: what each file's reference system says; INPUT@vertical=... is for one "
-                 "input. Inputs above different surfaces are brought to one before they are merged. By default as the "
-                 "reference systems say")
-      ->type_name(apps::text("DATUM"));
-  app.add_option("--scene-vertical", arguments.open.scene_vertical,
-                 "what the heights of the scene are to be above, as for --vertical; by default as the first input's")
-      ->type_name(apps::text("DATUM"));
-  describeInsets(app, arguments);
+  apps::describeInputs(app, arguments.elevation);
+  app.add_option("--threads", arguments.threads, "worker threads; 0 for one per processor")
+      ->type_name(apps::whole("N"))
+      ->check(apps::within(0u, 1024u))
+      ->capture_default_str();
+  app.add_option(
+         "--memory", arguments.memory_mib,
+         "MiB for heights: of inputs that take more (4 bytes a sample), a scene of ground alone in plain pages is "
+         "made block by block, and blocks are kept beside it until it is complete, so that a build that ended goes on")
+      ->type_name(apps::whole("MIB"))
+      ->check(apps::within(1u, 1u << 30))
+      ->capture_default_str();
   static const std::map<std::string, terrain::PageCoding> codings{{"plain", terrain::PageCoding::kPlain},
                                                                   {"coded", terrain::PageCoding::kCoded}};
   app.add_option_function<std::string>(
@@ -157,10 +83,6 @@ void describeElevation(CLI::App& app, Arguments& arguments) {
          "and disk. What viewers get is the same")
       ->check(apps::oneOf({"plain", "coded"}))
       ->default_str("plain");
-  app.add_option("--threads", arguments.threads, "worker threads; 0 for one per processor")
-      ->type_name(apps::whole("N"))
-      ->check(apps::within(0u, 1024u))
-      ->capture_default_str();
 }
 
 void describeChanges(CLI::App& app, Arguments& arguments) {
@@ -215,38 +137,13 @@ void describeImagery(CLI::App& app, Arguments& arguments) {
       ->needs(imagery);
 }
 
-constexpr std::string_view kVerticalOfOne = "@vertical=";
-
-// Takes what follows a file's name off it, and remembers it for that file.
-std::string withoutVertical(const std::string& text, terrain::OpenOptions& open) {
-  const size_t at = text.rfind(kVerticalOfOne);
-  if (at == std::string::npos) return text;
-  const std::string file = text.substr(0, at);
-  open.vertical_of[file] = text.substr(at + kVerticalOfOne.size());
-  return file;
-}
-
-// Gives each inset its priority.
-Status takeInsets(Arguments& arguments) {
-  const size_t count = arguments.insets.size();
-  if (const size_t given = arguments.inset_priorities.size(); given != 0 && given != count)
-    return Error{ErrorCode::kInvalidArgument, "--inset-priority: " + std::to_string(given) + " priorities for " +
-                                                  std::to_string(count) +
-                                                  " insets; give one for each --inset, or none"};
-  arguments.inset_priorities.resize(count);
-  for (size_t i = 0; i < count; ++i)
-    arguments.open.insets.push_back(
-        {withoutVertical(arguments.insets[i], arguments.open), arguments.inset_priorities[i]});
-  return {};
-}
-
 // From here on inputs and epochs are names of files.
 void takeVerticals(Arguments& arguments) {
-  for (std::filesystem::path& input : arguments.inputs) input = withoutVertical(input.string(), arguments.open);
+  apps::takeVerticals(arguments.elevation);
   for (std::string& epoch : arguments.epochs) {
     const size_t split = epoch.find('=');
-    if (split != std::string::npos && epoch.find(kVerticalOfOne) > split)
-      epoch = epoch.substr(0, split + 1) + withoutVertical(epoch.substr(split + 1), arguments.open);
+    if (split != std::string::npos && epoch.find(apps::kVerticalOfOne) > split)
+      epoch = epoch.substr(0, split + 1) + apps::withoutVertical(epoch.substr(split + 1), arguments.elevation.open);
   }
 }
 
@@ -258,36 +155,13 @@ int fail(const Error& error) {
 // Called first, so that hours are not spent on a file that cannot be written.
 Status checkOutput(const Arguments& arguments) {
   if (Status s = apps::checkOutput(arguments.output, "scene file"); !s.ok()) return s;
-  for (const std::filesystem::path& input : arguments.inputs)
+  for (const std::filesystem::path& input : arguments.elevation.inputs)
     if (Status s = apps::checkApart(arguments.output, input, "one of the inputs"); !s.ok()) return s;
-  for (const terrain::InsetFile& inset : arguments.open.insets)
+  for (const terrain::InsetFile& inset : arguments.elevation.open.insets)
     if (Status s = apps::checkApart(arguments.output, inset.file, "one of the insets"); !s.ok()) return s;
   for (const std::filesystem::path& picture : arguments.imagery)
     if (Status s = apps::checkApart(arguments.output, picture, "one of the pictures"); !s.ok()) return s;
   return {};
-}
-
-// A twentieth of the distance between samples, rounded down to a power of ten, and never coarser than 0.1 m.
-double defaultVerticalStep(double spacing_m) {
-  for (const double step : {0.1, 0.01, 0.001, 0.0001})
-    if (spacing_m >= 20 * step) return step;
-  return 0.00001;
-}
-
-double chooseVerticalStep(const Arguments& arguments, const terrain::ElevationInfo& info) {
-  if (arguments.vertical_step_m) return *arguments.vertical_step_m;
-  const glm::dvec2 spacing_m = terrain::sampleSpacing(info.frame, info.width, info.height);
-  const double closest_m = std::min(spacing_m.x, spacing_m.y), step_m = defaultVerticalStep(closest_m);
-  if (step_m < 0.1)
-    std::fprintf(stderr, "samples lie %.3g m apart, so heights are stored as multiples of %g m (--vertical-step)\n",
-                 closest_m, step_m);
-  return step_m;
-}
-
-void describeInput(const terrain::ElevationInfo& info) {
-  const glm::dvec2 spacing_m = terrain::sampleSpacing(info.frame, info.width, info.height);
-  std::fprintf(stderr, "%s: %u x %u samples, %.4g x %.4g m apart, %s\n", info.title.c_str(), info.width, info.height,
-               spacing_m.x, spacing_m.y, info.frame.kind == proto::FrameKind::kPlanar ? "planar" : "geographic");
 }
 
 void describeScene(const terrain::BuildReport& report, const std::filesystem::path& output, double seconds) {
@@ -329,7 +203,7 @@ Result<std::vector<terrain::EpochRequest>> epochsOfPoses(const std::vector<terra
 Result<OpenedEpochs> openEpochs(const Arguments& arguments, const std::string& scene_vertical,
                                 const terrain::ElevationInfo& scene) {
   OpenedEpochs epochs;
-  terrain::OpenOptions open = arguments.open;
+  terrain::OpenOptions open = arguments.elevation.open;
   open.insets.clear();
   if (!scene_vertical.empty()) open.scene_vertical = scene_vertical;
   for (const std::string& text : arguments.epochs) {
@@ -353,24 +227,20 @@ Result<OpenedEpochs> openEpochs(const Arguments& arguments, const std::string& s
 
 // All files that the command names, for reading. Some may not be there.
 std::vector<std::filesystem::path> filesOf(const Arguments& arguments) {
-  std::vector<std::filesystem::path> files = arguments.inputs;
-  for (const terrain::InsetFile& inset : arguments.open.insets) files.push_back(inset.file);
+  std::vector<std::filesystem::path> files = apps::filesOf(arguments.elevation);
   files.insert(files.end(), arguments.imagery.begin(), arguments.imagery.end());
   for (const std::string& text : arguments.epochs) files.emplace_back(text.substr(text.find('=') + 1));
   for (const std::string& text : arguments.objects) files.emplace_back(text.substr(0, text.rfind('@')));
-  for (const auto& choice : {arguments.open.vertical, arguments.open.scene_vertical})
-    if (choice) files.emplace_back(*choice);
-  for (const auto& [input, choice] : arguments.open.vertical_of) files.emplace_back(choice);
-  std::erase_if(files, [](const std::filesystem::path& file) { return terrain::isNamedDatum(file.string()); });
   return files;
 }
 
 // As an option would say it; empty if nothing is stated, or no option can say it.
 std::string verticalOfScene(const Arguments& arguments, const terrain::ElevationInfo& info) {
   if (info.vertical.name.empty()) return {};
-  if (arguments.open.scene_vertical) return *arguments.open.scene_vertical;
-  const auto own = arguments.open.vertical_of.find(arguments.inputs.front().string());
-  const auto choice = own != arguments.open.vertical_of.end() ? std::optional(own->second) : arguments.open.vertical;
+  if (arguments.elevation.open.scene_vertical) return *arguments.elevation.open.scene_vertical;
+  const auto own = arguments.elevation.open.vertical_of.find(arguments.elevation.inputs.front().string());
+  const auto choice = own != arguments.elevation.open.vertical_of.end() ? std::optional(own->second)
+                                                                        : arguments.elevation.open.vertical;
   return choice && *choice != terrain::kAsTheFileSays ? *choice : terrain::choiceNamed(info.vertical.name);
 }
 
@@ -390,9 +260,9 @@ Status checkGlobe(const Arguments& arguments) {
     return Error{ErrorCode::kUnsupported, std::string("--globe takes no ") + what + " yet; leave it out"};
   };
   if (!arguments.epochs.empty()) return refused("--epoch");
-  if (arguments.open.residual_m) return refused("--residual");
-  if (arguments.open.scene_vertical && *arguments.open.scene_vertical != terrain::kEllipsoidName)
-    return Error{ErrorCode::kInvalidArgument, "--scene-vertical " + *arguments.open.scene_vertical +
+  if (arguments.elevation.open.residual_m) return refused("--residual");
+  if (arguments.elevation.open.scene_vertical && *arguments.elevation.open.scene_vertical != terrain::kEllipsoidName)
+    return Error{ErrorCode::kInvalidArgument, "--scene-vertical " + *arguments.elevation.open.scene_vertical +
                                                   ": the heights of a globe are above the ellipsoid; leave it out"};
   return {};
 }
@@ -421,9 +291,9 @@ int buildGlobe(const Arguments& arguments) {
   const Clock::time_point begun = Clock::now();
   if (Status s = checkOutput(arguments); !s.ok()) return fail(s.error());
   if (Status s = checkGlobe(arguments); !s.ok()) return fail(s.error());
-  terrain::OpenOptions open = arguments.open;
+  terrain::OpenOptions open = arguments.elevation.open;
   open.scene_vertical.reset();
-  const auto source = terrain::openGlobe(arguments.inputs, open);
+  const auto source = terrain::openGlobe(arguments.elevation.inputs, open);
   if (!source.ok()) return fail(source.error());
   const auto depth = terrain::depthOf((*source)->info());
   if (!depth.ok()) return fail(depth.error());
@@ -439,7 +309,7 @@ int buildGlobe(const Arguments& arguments) {
   return runBuild(arguments, begun, [&](const terrain::Progress& progress) {
     return terrain::buildGlobe(**source,
                                {.output = arguments.output,
-                                .height_quantum_m = arguments.vertical_step_m.value_or(0.1),
+                                .height_quantum_m = arguments.elevation.vertical_step_m.value_or(0.1),
                                 .threads = arguments.threads,
                                 .page_coding = arguments.page_coding,
                                 .objects = *objects,
@@ -450,6 +320,27 @@ int buildGlobe(const Arguments& arguments) {
   });
 }
 
+// Whether heights take more memory than they may, and all that is wanted can be made block by block.
+bool isByBlocks(const Arguments& arguments, const terrain::ElevationSource& source,
+                const terrain::BuildOptions& options) {
+  const terrain::ElevationInfo& info = source.info();
+  const uint64_t bytes = uint64_t{info.width} * info.height * sizeof(float);
+  return bytes > uint64_t{arguments.memory_mib} << 20 && options.objects.empty() && options.epochs.empty() &&
+         options.picture == nullptr && options.page_coding == terrain::PageCoding::kPlain &&
+         terrain::emptyPlan(source, options.height_quantum_m, 10).ok();
+}
+
+Result<terrain::BuildReport> buildByBlocks(const Arguments& arguments, terrain::ElevationSource& source,
+                                           const terrain::BuildOptions& options, const terrain::Progress& progress) {
+  return terrain::buildByBlocks(source,
+                                {.plan = {.height_quantum_m = options.height_quantum_m,
+                                          .widen_quantum = options.widen_quantum,
+                                          .memory_bytes = uint64_t{arguments.memory_mib} << 20},
+                                 .output = options.output,
+                                 .threads = options.threads},
+                                progress);
+}
+
 int build(const Arguments& arguments) {
   const Clock::time_point begun = Clock::now();
   if (Status s = checkOutput(arguments); !s.ok()) return fail(s.error());
@@ -457,17 +348,17 @@ int build(const Arguments& arguments) {
   if (!objects.ok()) return fail(objects.error());
   auto of_poses = epochsOfPoses(*objects);
   if (!of_poses.ok()) return fail(of_poses.error());
-  terrain::OpenOptions open = arguments.open;
+  terrain::OpenOptions open = arguments.elevation.open;
   // What changes in time has heights everywhere.
   if (!arguments.epochs.empty() || !of_poses->empty()) open.lattice = terrain::LatticeChoice::kWhole;
-  auto source = terrain::openElevation(arguments.inputs, open);
+  auto source = terrain::openElevation(arguments.elevation.inputs, open);
   if (!source.ok()) return fail(source.error());
-  describeInput((*source)->info());
+  apps::describeInput((*source)->info());
   terrain::BuildOptions options{.output = arguments.output,
-                                .height_quantum_m = chooseVerticalStep(arguments, (*source)->info()),
+                                .height_quantum_m = apps::chooseVerticalStep(arguments.elevation, (*source)->info()),
                                 .threads = arguments.threads,
                                 .page_coding = arguments.page_coding,
-                                .widen_quantum = !arguments.vertical_step_m,
+                                .widen_quantum = !arguments.elevation.vertical_step_m,
                                 .objects = std::move(*objects)};
   auto epochs = openEpochs(arguments, verticalOfScene(arguments, (*source)->info()), (*source)->info());
   if (!epochs.ok()) return fail(epochs.error());
@@ -484,8 +375,10 @@ int build(const Arguments& arguments) {
     options.imagery_quality = arguments.imagery_quality;
     options.attribution = arguments.attribution;
   }
-  return runBuild(arguments, begun,
-                  [&](const terrain::Progress& progress) { return terrain::buildScene(**source, options, progress); });
+  return runBuild(arguments, begun, [&](const terrain::Progress& progress) {
+    return isByBlocks(arguments, **source, options) ? buildByBlocks(arguments, **source, options, progress)
+                                                    : terrain::buildScene(**source, options, progress);
+  });
 }
 
 }  // namespace
@@ -510,8 +403,8 @@ int main(int argc, char** argv) {
         "foreland build msh.tif --epoch 2000-09-25=01.tif --epoch 2004-10-04=02.tif -o dome.fls"}});
   if (exit_code) return *exit_code;
   takeVerticals(arguments);
-  if (Status s = takeInsets(arguments); !s.ok()) return fail(s.error());
-  arguments.open.allowed_folders = arguments.foreign.allowed;
+  if (Status s = apps::takeInsets(arguments.elevation); !s.ok()) return fail(s.error());
+  arguments.elevation.open.allowed_folders = arguments.foreign.allowed;
   apps::confineTo(arguments.foreign, filesOf(arguments), {arguments.output});
   apps::catchStopSignals();
   return arguments.is_globe ? buildGlobe(arguments) : build(arguments);

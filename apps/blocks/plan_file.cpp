@@ -1,0 +1,180 @@
+#include "apps/blocks/plan_file.h"
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "terrain/dem/open.h"
+#include "terrain/store/file/checksum.h"
+#include "terrain/store/file/new_file.h"
+
+namespace foreland::apps {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr int kPlanVersion = 1;
+
+std::string hex(uint64_t value) {
+  std::array<char, 17> text{};
+  std::snprintf(text.data(), text.size(), "%016llx", static_cast<unsigned long long>(value));
+  return text.data();
+}
+
+Result<Json> describeSource(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  if (!in) return Error{ErrorCode::kIo, file.string() + ": cannot be read"};
+  Bytes chunk(1 << 20);
+  uint64_t hash = 0, bytes = 0;
+  while (in.read(reinterpret_cast<char*>(chunk.data()), static_cast<std::streamsize>(chunk.size())), in.gcount() > 0) {
+    hash = terrain::xxh64(ByteSpan(chunk).first(static_cast<size_t>(in.gcount())), hash);
+    bytes += static_cast<uint64_t>(in.gcount());
+  }
+  return Json{{"file", file.string()}, {"bytes", bytes}, {"xxh64", hex(hash)}};
+}
+
+// About what a job of one block holds, beside its programs: heights, records and errors with their halo, and as many
+// rows as are read at a time.
+uint64_t memoryOfBlock(const terrain::BlockPlan& plan) {
+  const uint64_t side = (1ull << plan.block_log2) + 2 * terrain::Blocks::kHalo;
+  return ((side * side * 40 + uint64_t{128} * 4 * plan.shape.samples_x) >> 20) + 192;
+}
+
+Error damaged(const std::filesystem::path& path, const std::string& what) {
+  return {ErrorCode::kMalformed,
+          path.string() + ": no plan of this version (" + what + "); make it with foreland plan"};
+}
+
+Result<Json> readJson(const std::filesystem::path& path) {
+  std::ifstream in(path);
+  if (!in) return Error{ErrorCode::kIo, path.string() + ": cannot be read; make it with foreland plan"};
+  Json json = Json::parse(in, nullptr, false);
+  if (json.is_discarded()) return damaged(path, "not JSON");
+  if (json.value("foreland_plan", 0) != kPlanVersion) return damaged(path, "foreland_plan is not 1");
+  return json;
+}
+
+Status parseWords(std::vector<std::string> words, PlanArguments& arguments) {
+  CLI::App app;
+  describePlanned(app, arguments);
+  std::reverse(words.begin(), words.end());
+  try {
+    app.parse(words);
+  } catch (const CLI::ParseError& error) { return Error{ErrorCode::kMalformed, error.what()}; }
+  takeVerticals(arguments.elevation);
+  if (Status s = takeInsets(arguments.elevation); !s.ok()) return s;
+  arguments.elevation.open.allowed_folders = arguments.foreign.allowed;
+  return {};
+}
+
+Status checkSources(const std::filesystem::path& path, const Json& json) {
+  for (const Json& source : json.at("sources")) {
+    const std::string file = source.at("file");
+    std::error_code error;
+    if (const uint64_t bytes = std::filesystem::file_size(file, error); error || bytes != source.at("bytes"))
+      return Error{ErrorCode::kInvalidArgument,
+                   file + ": " + (error ? error.message() : std::to_string(bytes) + " bytes") + ", not what " +
+                       path.string() + " was made of; make the plan again with foreland plan"};
+  }
+  return {};
+}
+
+Status fill(const Json& json, terrain::BlockPlan& plan) {
+  plan.range = {json.at("lowest"), json.at("highest")};
+  plan.quantum_note = json.at("quantum_note");
+  for (const Json& block : json.at("blocks"))
+    plan.ids.push_back(std::stoull(block.at("id").get<std::string>(), nullptr, 16));
+  return {};
+}
+
+Result<OpenedPlan> open(const std::filesystem::path& path, const std::vector<std::filesystem::path>& outputs) {
+  const auto json = readJson(path);
+  if (!json) return json.error();
+  PlanArguments arguments;
+  if (Status s = parseWords(json->at("arguments").get<std::vector<std::string>>(), arguments); !s.ok())
+    return damaged(path, s.error().message);
+  if (Status s = checkSources(path, *json); !s.ok()) return s.error();
+  confineTo(arguments.foreign, filesOf(arguments.elevation), outputs);
+  OpenedPlan opened;
+  auto source = terrain::openElevation(arguments.elevation.inputs, arguments.elevation.open);
+  if (!source) return source.error();
+  opened.source = std::move(source).value();
+  const uint32_t block_log2 = json->at("block_log2");
+  if (block_log2 < terrain::Blocks::kLeastLog2 || block_log2 > 12) return damaged(path, "block_log2");
+  auto plan = terrain::emptyPlan(*opened.source, json->at("height_quantum_m"), block_log2);
+  if (!plan) return plan.error();
+  opened.plan = std::move(plan).value();
+  if (Status s = fill(*json, opened.plan); !s.ok()) return s.error();
+  const auto grid = proto::GridTopology::create(opened.plan.shape);
+  if (opened.plan.ids.size() != terrain::Blocks{*grid, block_log2}.count() ||
+      hex(opened.plan.id()) != json->at("id").get<std::string>())
+    return Error{ErrorCode::kInvalidArgument,
+                 path.string() + ": does not fit " + opened.source->info().title +
+                     " as it is now, or was edited; make the plan again with foreland plan"};
+  return opened;
+}
+
+}  // namespace
+
+void describePlanned(CLI::App& app, PlanArguments& arguments) {
+  describeInputs(app, arguments.elevation);
+  addForeignFiles(app, arguments.foreign);
+}
+
+std::vector<std::string> plannedWords(const CLI::App& app) {
+  PlanArguments ignored;
+  CLI::App planned;
+  describePlanned(planned, ignored);
+  std::vector<std::string> words;
+  for (const CLI::Option* option : planned.get_options()) {
+    const std::string name = option->get_name();
+    const CLI::Option* given = app.get_option_no_throw(name);
+    if (given == nullptr || given->count() == 0 || name == "--help") continue;
+    if (option->get_expected_max() == 0) {
+      words.push_back(name);
+      continue;
+    }
+    for (const std::string& value : given->results())
+      words.push_back(option->get_positional() ? value : name + "=" + value);
+  }
+  return words;
+}
+
+Status writePlan(const std::filesystem::path& path, const std::vector<std::string>& words,
+                 const PlanArguments& arguments, const terrain::BlockPlan& plan) {
+  Json json{{"foreland_plan", kPlanVersion},
+            {"id", hex(plan.id())},
+            {"arguments", words},
+            {"samples", {plan.shape.samples_x, plan.shape.samples_y}},
+            {"block_log2", plan.block_log2},
+            {"height_quantum_m", plan.frame.height_quantum_m},
+            {"quantum_note", plan.quantum_note},
+            {"lowest", plan.range.lowest},
+            {"highest", plan.range.highest},
+            {"memory_mib", memoryOfBlock(plan)},
+            {"sources", Json::array()},
+            {"blocks", Json::array()}};
+  for (const std::filesystem::path& file : filesOf(arguments.elevation)) {
+    const auto source = describeSource(file);
+    if (!source) return source.error();
+    json["sources"].push_back(*source);
+  }
+  for (const uint64_t id : plan.ids) json["blocks"].push_back({{"id", hex(id)}});
+  const std::string text = json.dump(1) + "\n";
+  auto file = terrain::NewFile::create(path, text.size());
+  if (!file) return file.error();
+  std::memcpy(file->data(), text.data(), text.size());
+  return file->finish();
+}
+
+Result<OpenedPlan> openPlan(const std::filesystem::path& path, const std::vector<std::filesystem::path>& outputs) {
+  try {
+    return open(path, outputs);
+  } catch (const std::exception& error) { return damaged(path, error.what()); }
+}
+
+}  // namespace foreland::apps

@@ -1,0 +1,187 @@
+#include "terrain/pipeline/block_plan.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "terrain/pipeline/scene_parts.h"
+#include "terrain/store/file/checksum.h"
+#include "terrain/store/format.h"
+
+namespace foreland::terrain {
+
+namespace {
+
+constexpr uint32_t kBlockVersion = 1;  // moves when blocks of the same heights would have other bytes
+constexpr uint64_t kSamplesAtOnce = 1u << 20;
+
+template <class T>
+ByteSpan bytesOf(const T& value) {
+  return {reinterpret_cast<const uint8_t*>(&value), sizeof(value)};
+}
+
+// What all blocks follow from, beside their heights.
+uint64_t commonId(const BlockPlan& plan) {
+  FileHeader header;
+  header.version = kBlockVersion;
+  header.roots_x = plan.shape.roots_x, header.roots_y = plan.shape.roots_y, header.root_log2 = plan.shape.root_log2;
+  header.samples_x = plan.shape.samples_x, header.samples_y = plan.shape.samples_y;
+  header.sparse_levels = plan.block_log2;
+  putFrame(plan.frame, header);
+  return xxh64(bytesOf(header));
+}
+
+// Which of the wider quanta all heights seen are multiples of, and what else is asked of them.
+struct Seen {
+  static constexpr std::array<double, 3> kQuanta{1.0, 0.5, 0.25};
+  std::array<bool, 3> fits{true, true, true};
+  float lowest = HUGE_VALF, highest = -HUGE_VALF;
+  uint64_t voids = 0;
+
+  void add(float h) {
+    if (!std::isfinite(h)) {
+      ++voids;
+      return;
+    }
+    for (size_t i = 0; i < kQuanta.size(); ++i) fits[i] = fits[i] && std::remainder(double{h}, kQuanta[i]) == 0;
+    lowest = std::min(lowest, h), highest = std::max(highest, h);
+  }
+};
+
+Error noVoids(const std::string& title, uint64_t voids) {
+  return {ErrorCode::kUnsupported,
+          title + ": " + std::to_string(voids) +
+              " void samples, which only a build that has all heights in memory fills; give it "
+              "more --memory, or fill them first (gdal_fillnodata.py)"};
+}
+
+Status checkHeight(const std::string& title, float height_m, double quantum_m) {
+  if (quantised(height_m, quantum_m)) return {};
+  return Error{ErrorCode::kLimit, title + ": a height of " + std::to_string(height_m) + " m does not fit steps of " +
+                                      std::to_string(quantum_m) +
+                                      " m; use a larger --vertical-step or name the void value with --nodata"};
+}
+
+void chooseQuantum(const Seen& seen, const PlanOptions& options, BlockPlan& plan) {
+  if (!options.widen_quantum) return;
+  for (size_t i = 0; i < Seen::kQuanta.size() && Seen::kQuanta[i] > options.height_quantum_m; ++i)
+    if (seen.fits[i]) {
+      plan.frame.height_quantum_m = Seen::kQuanta[i];
+      plan.quantum_note = quantumNote(Seen::kQuanta[i]);
+      return;
+    }
+}
+
+// Of the heights alone.
+uint64_t contentId(const ElevationInfo& info, const ErrorWindow& window, const HeightWindow& heights) {
+  uint64_t id = 0;
+  std::vector<float> row(widthOf(window));
+  for (uint32_t y = window.low_y; y <= window.high_y; ++y) {
+    for (uint32_t x = window.low_x; x <= window.high_x; ++x) row[x - window.low_x] = heights.at(info, x, y);
+    id = xxh64({reinterpret_cast<const uint8_t*>(row.data()), row.size() * sizeof(float)}, id);
+  }
+  return id;
+}
+
+uint64_t blockIdOf(uint64_t common, uint32_t column, uint32_t row, uint64_t content) {
+  const std::array<uint64_t, 3> parts{column, row, content};
+  return xxh64(bytesOf(parts), common);
+}
+
+}  // namespace
+
+uint64_t BlockPlan::id() const {
+  return xxh64({reinterpret_cast<const uint8_t*>(ids.data()), ids.size() * sizeof(uint64_t)}, commonId(*this));
+}
+
+Result<HeightWindow> readWindow(ElevationSource& source, const ErrorWindow& window) {
+  const ElevationInfo& info = source.info();
+  const uint32_t last_x = std::min(window.high_x, info.width - 1), last_y = std::min(window.high_y, info.height - 1);
+  HeightWindow part{std::min(window.low_x, last_x), std::min(window.low_y, last_y)};
+  part.width = last_x - part.x + 1, part.height = last_y - part.y + 1;
+  part.metres.resize(size_t{part.width} * part.height);
+  const auto step = static_cast<uint32_t>(std::max<uint64_t>(1, kSamplesAtOnce / info.width));
+  std::vector<float> rows;
+  for (uint32_t done = 0; done < part.height; done += step) {
+    const uint32_t count = std::min(step, part.height - done);
+    rows.resize(size_t{count} * info.width);
+    if (Status s = source.readRows(part.y + done, count, rows); !s.ok()) return s.error();
+    for (uint32_t i = 0; i < count; ++i)
+      std::copy_n(rows.begin() + static_cast<ptrdiff_t>(size_t{i} * info.width + part.x), part.width,
+                  part.metres.begin() + static_cast<ptrdiff_t>(size_t{done + i} * part.width));
+  }
+  return part;
+}
+
+uint64_t blockId(const BlockPlan& plan, const ElevationInfo& info, const Blocks& blocks, uint32_t column, uint32_t row,
+                 const HeightWindow& heights) {
+  return blockIdOf(commonId(plan), column, row, contentId(info, blocks.withHalo(column, row), heights));
+}
+
+Status forEachBlocks(
+    ElevationSource& source, const Blocks& blocks, uint64_t memory_bytes,
+    const std::function<Status(uint32_t row, uint32_t first, uint32_t end, const HeightWindow& heights)>& visit) {
+  const uint64_t side = (1ull << blocks.log2) + 2 * Blocks::kHalo;
+  const auto at_once = static_cast<uint32_t>(
+      std::clamp<uint64_t>(memory_bytes / 3 / (side * side * sizeof(float)), 1, blocks.columns()));
+  for (uint32_t row = 0; row < blocks.rows(); ++row)
+    for (uint32_t first = 0; first < blocks.columns(); first += at_once) {
+      const uint32_t end = std::min(first + at_once, blocks.columns());
+      const ErrorWindow west = blocks.withHalo(first, row), east = blocks.withHalo(end - 1, row);
+      const auto heights = readWindow(source, {west.low_x, west.low_y, east.high_x, east.high_y});
+      if (!heights) return heights.error();
+      if (Status s = visit(row, first, end, *heights); !s.ok()) return s;
+    }
+  return {};
+}
+
+Result<BlockPlan> emptyPlan(const ElevationSource& source, double height_quantum_m, uint32_t block_log2) {
+  const ElevationInfo& info = source.info();
+  const auto grid = gridFor(info);
+  if (!grid) return grid.error();
+  if (source.sparse() != nullptr)
+    return Error{
+        ErrorCode::kUnsupported,
+        info.title + ": a lattice that is fine in places only is not made block by block yet; build it at once"};
+  if (!Blocks::canCut(*grid))
+    return Error{ErrorCode::kUnsupported, info.title + ": " + std::to_string(info.width) + " x " +
+                                              std::to_string(info.height) +
+                                              " samples are too few to be cut; foreland build makes them at once"};
+  BlockPlan plan{.shape = grid->shape(), .frame = info.frame, .block_log2 = block_log2};
+  plan.frame.height_quantum_m = height_quantum_m;
+  return plan;
+}
+
+Result<BlockPlan> planBlocks(ElevationSource& source, const PlanOptions& options, const Progress& progress) {
+  const ElevationInfo& info = source.info();
+  auto plan = emptyPlan(source, options.height_quantum_m, options.block_log2);
+  if (!plan) return plan;
+  const auto grid = proto::GridTopology::create(plan->shape);
+  const Blocks blocks{*grid, options.block_log2};
+  Seen seen;
+  std::vector<uint64_t> contents(blocks.count());
+  progress.report("looking", 0);
+  const Status read = forEachBlocks(
+      source, blocks, options.memory_bytes,
+      [&](uint32_t row, uint32_t first, uint32_t end, const HeightWindow& heights) -> Status {
+        for (const float h : heights.metres) seen.add(h);
+        if (seen.voids > 0) return noVoids(info.title, seen.voids);
+        for (uint32_t column = first; column < end; ++column)
+          contents[uint64_t{row} * blocks.columns() + column] = contentId(info, blocks.withHalo(column, row), heights);
+        progress.report("looking", static_cast<double>(row + 1) / blocks.rows());
+        return progress.keepGoing() ? Status() : Status(stopped());
+      });
+  if (!read.ok()) return read.error();
+  chooseQuantum(seen, options, *plan);
+  const double quantum_m = plan->frame.height_quantum_m;
+  for (const float h : {seen.lowest, seen.highest})
+    if (Status s = checkHeight(info.title, h, quantum_m); !s.ok()) return s.error();
+  plan->range = {*quantised(seen.lowest, quantum_m), *quantised(seen.highest, quantum_m)};
+  const uint64_t common = commonId(*plan);
+  for (uint32_t row = 0; row < blocks.rows(); ++row)
+    for (uint32_t column = 0; column < blocks.columns(); ++column)
+      plan->ids.push_back(blockIdOf(common, column, row, contents[plan->ids.size()]));
+  return plan;
+}
+
+}  // namespace foreland::terrain

@@ -1,0 +1,62 @@
+// What has to be known of all of an elevation source before its blocks (terrain/bounds/block_bounds.h) can be made
+// apart: found by one look at all of its samples, window by window. One caller.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "base/result.h"
+#include "terrain/bounds/block_bounds.h"
+#include "terrain/elevation_source.h"
+#include "terrain/pipeline/build.h"
+
+namespace foreland::terrain {
+
+struct BlockPlan {
+  proto::GridShape shape;
+  proto::Frame frame;  // with the height quantum
+  uint32_t block_log2 = 10;
+  HeightRange range{};
+  std::string quantum_note{};   // empty if the quantum was not widened
+  std::vector<uint64_t> ids{};  // of blocks, row by row: of all that a block follows from
+
+  uint64_t id() const;  // of the plan
+};
+
+struct PlanOptions {
+  double height_quantum_m = 0.1;
+  bool widen_quantum = false;  // as BuildOptions has it
+  uint64_t memory_bytes = 1ull << 30;
+  uint32_t block_log2 = 10;
+};
+
+// An Error: what blocks cannot make. Voids are, by now.
+[[nodiscard]] Result<BlockPlan> planBlocks(ElevationSource& source, const PlanOptions& options,
+                                           const Progress& progress = {});
+
+// What is in the plan that follows from the source and the quantum alone; the rest is left out.
+[[nodiscard]] Result<BlockPlan> emptyPlan(const ElevationSource& source, double height_quantum_m, uint32_t block_log2);
+
+// Heights in metres of some columns and rows of a source.
+struct HeightWindow {
+  uint32_t x = 0, y = 0, width = 0, height = 0;
+  std::vector<float> metres{};
+  // Of any lattice point whose nearest sample is in the window.
+  float at(const ElevationInfo& info, uint32_t at_x, uint32_t at_y) const {
+    return metres[size_t{std::min(at_y, info.height - 1) - y} * width + (std::min(at_x, info.width - 1) - x)];
+  }
+};
+Result<HeightWindow> readWindow(ElevationSource& source, const ErrorWindow& window);
+
+// The id of a block whose window with its halo was read: of its heights, where it is, and the plan but for its ids.
+uint64_t blockId(const BlockPlan& plan, const ElevationInfo& info, const Blocks& blocks, uint32_t column, uint32_t row,
+                 const HeightWindow& heights);
+
+// Calls visit(row, first column, end, their heights with halos) for all blocks, as many at a time as a third of the
+// memory holds.
+Status forEachBlocks(
+    ElevationSource& source, const Blocks& blocks, uint64_t memory_bytes,
+    const std::function<Status(uint32_t row, uint32_t first, uint32_t end, const HeightWindow& heights)>& visit);
+
+}  // namespace foreland::terrain

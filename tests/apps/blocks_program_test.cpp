@@ -1,0 +1,86 @@
+// `foreland plan`, `block` and `merge` as people run them: the scene that `foreland build` makes, whatever the order of
+// jobs, and what they say about input that has changed, other plans and blocks that are damaged.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+
+#include "tests/apps/expect_refusal.h"
+#include "tests/support/files.h"
+#include "tests/support/program.h"
+
+namespace foreland::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+class BlocksProgram : public testing::Test {
+ protected:
+  static constexpr int kWidth = 1100, kHeight = 530;  // two blocks
+
+  void SetUp() override { writeHills(0); }
+  void writeHills(double more) const {
+    std::ofstream grid(input());
+    grid << "ncols " << kWidth << "\nnrows " << kHeight << "\nxllcorner 0\nyllcorner 0\ncellsize 10\n";
+    for (int y = 0; y < kHeight; ++y)
+      for (int x = 0; x < kWidth; ++x)
+        grid << 500 + std::round(100 * std::sin(0.1 * x) * std::cos(0.13 * y)) + (x > 1060 ? more : 0)
+             << (x == kWidth - 1 ? '\n' : ' ');
+  }
+  std::string input() const { return folder_ / "hills.asc"; }
+  std::string plan() const { return folder_ / "plan.json"; }
+  std::string blocks() const { return folder_ / "blocks"; }
+  std::string scene() const { return folder_ / "scene.fls"; }
+  void succeed(const std::string& name, const std::vector<std::string>& arguments) const {
+    const ProgramResult result = runProgram(name, arguments);
+    EXPECT_EQ(result.exit_code, 0) << result.output;
+  }
+  void makePlan() const { succeed("plan", {input(), "--frame", "planar", "-o", plan()}); }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(BlocksProgram, MakeTheSceneThatBuildMakes) {
+  makePlan();
+  for (const char* number : {"1", "0", "1"}) succeed("block", {plan(), number, "-o", blocks()});
+  EXPECT_EQ(filesIn(blocks()), 2u);
+  succeed("merge", {plan(), blocks(), "-o", scene()});
+  succeed("build", {input(), "--frame", "planar", "-o", folder_ / "whole.fls"});
+  succeed("build", {input(), "--frame", "planar", "--memory", "1", "-o", folder_ / "windowed.fls"});
+  EXPECT_EQ(slurp(scene()), slurp(folder_ / "whole.fls"));
+  EXPECT_EQ(slurp(scene()), slurp(folder_ / "windowed.fls"));
+}
+
+TEST_F(BlocksProgram, AChangedInputNeedsANewPlanAndOnlyItsBlocks) {
+  makePlan();
+  succeed("block", {plan(), "0", "1", "-o", blocks()});
+  writeHills(1);
+  expectRefusal("block", {plan(), "1", "-o", folder_ / "others"}, {"hills.asc", "plan.json", "foreland plan"});
+  makePlan();
+  succeed("block", {plan(), "0", "1", "-o", blocks()});
+  EXPECT_EQ(filesIn(blocks()), 3u);  // the western block is as it was
+  succeed("merge", {plan(), blocks(), "-o", scene()});
+  succeed("build", {input(), "--frame", "planar", "-o", folder_ / "whole.fls"});
+  EXPECT_EQ(slurp(scene()), slurp(folder_ / "whole.fls"));
+}
+
+TEST_F(BlocksProgram, NameWhatIsWrongAndTheWayOut) {
+  expectRefusal("block", {plan(), "0", "-o", blocks()}, {"plan.json", "foreland plan"});
+  makePlan();
+  expectRefusal("block", {plan(), "2", "-o", blocks()}, {"block 2", "0 to 1"});
+  succeed("block", {plan(), "0", "-o", blocks()});
+  expectRefusal("merge", {plan(), blocks(), "-o", scene()}, {"block 1 of the plan is missing", "foreland block"});
+  std::vector<char> edited = slurp(plan());
+  const std::string text(edited.begin(), edited.end());
+  edited[text.rfind("\"id\": \"") + 8] ^= 1;
+  spit(folder_ / "edited.json", edited);
+  expectRefusal("block", {folder_ / "edited.json", "0", "-o", blocks()}, {"edited.json", "foreland plan"});
+  spit(folder_ / "none.json", {'{', '}'});
+  expectRefusal("merge", {folder_ / "none.json", blocks(), "-o", scene()}, {"none.json", "no plan"});
+  expectRefusal("block", {plan(), "1", "-o", blocks()}, {".block", "MiB"}, {.largest_file_bytes = 8192});
+  EXPECT_EQ(filesIn(blocks()), 1u);
+  EXPECT_FALSE(fs::exists(scene()));
+}
+
+}  // namespace
+}  // namespace foreland::test

@@ -1,0 +1,161 @@
+#include "terrain/pipeline/merge_blocks.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numeric>
+#include <tuple>
+#include <vector>
+
+#include "terrain/pipeline/block_file.h"
+#include "terrain/pipeline/build.h"
+#include "terrain/pipeline/build_by_blocks.h"
+#include "terrain/store/verify.h"
+#include "tests/support/files.h"
+#include "tests/support/scene.h"
+#include "tests/support/seed.h"
+
+namespace foreland::terrain {
+namespace {
+
+using proto::FrameKind;
+
+test::FormulaSource sourceOf(uint32_t width, uint32_t height, FrameKind kind, uint64_t seed = 1) {
+  test::FormulaSource source(width, height, test::hills(seed), kind);
+  // Not a sum of powers of two: positions are rounded.
+  source.info().frame.anchor += glm::dvec2(0.1, 0.7);
+  source.info().notes = {"a note"};
+  return source;
+}
+
+struct Sharded {
+  BlockPlan plan;
+  proto::GridTopology grid;
+  Blocks blocks;
+  proto::GeographicTables tables;
+  Sharded(ElevationSource& source, uint32_t block_log2)
+      : plan(planBlocks(source, {.block_log2 = block_log2}).value()),
+        grid(proto::GridTopology::create(plan.shape).value()),
+        blocks{grid, block_log2},
+        tables(proto::FrameTransform(plan.frame), grid.maxX(), grid.maxY()) {}
+
+  Status make(ElevationSource& source, const std::filesystem::path& folder, uint64_t number) const {
+    const auto column = static_cast<uint32_t>(number % blocks.columns()),
+               row = static_cast<uint32_t>(number / blocks.columns());
+    const auto heights = readWindow(source, blocks.withHalo(column, row));
+    if (!heights) return heights.error();
+    return writeBlock(folder, plan, source.info(), blocks, tables, column, row, plan.ids[number], *heights);
+  }
+};
+
+// The law: whatever the size of blocks, their order and the threads, the file is the one that is made at once.
+TEST(MergeBlocks, GivesTheBytesThatABuildAtOnceGives) {
+  Rng rng(test::randomSeed());
+  for (const auto& [width, height, kind] : {std::tuple{1100u, 700u, FrameKind::kPlanar},
+                                            {1025u, 1025u, FrameKind::kGeographic},
+                                            {530u, 2000u, FrameKind::kPlanar},
+                                            {1500u, 513u, FrameKind::kGeographic}}) {
+    const test::TemporaryFolder folder;
+    test::FormulaSource source = sourceOf(width, height, kind, rng.next());
+    ASSERT_TRUE(buildScene(source, {.output = folder / "whole.fls"}).ok());
+    const std::vector<char> whole = test::slurp(folder / "whole.fls");
+    for (const uint32_t log2 : {9u, 10u, 11u}) {
+      const Sharded sharded(source, log2);
+      std::vector<uint64_t> order(sharded.blocks.count());
+      std::iota(order.begin(), order.end(), 0);
+      for (size_t i = order.size(); i > 1; --i) std::swap(order[i - 1], order[rng.below(i)]);
+      for (const uint64_t number : order) ASSERT_TRUE(sharded.make(source, folder.path(), number).ok());
+      const auto merged = mergeBlocks(source, sharded.plan, {folder.path(), folder / "merged.fls", log2 - 8});
+      ASSERT_TRUE(merged.ok()) << merged.error().message;
+      EXPECT_EQ(test::slurp(folder / "merged.fls"), whole) << width << " x " << height << " by 2^" << log2;
+    }
+  }
+}
+
+TEST(MergeBlocks, WindowsOfAnySizeGiveTheSameBytesAndLeaveNothing) {
+  const test::TemporaryFolder folder;
+  test::FormulaSource source = sourceOf(1300, 1300, FrameKind::kPlanar);
+  ASSERT_TRUE(buildScene(source, {.output = folder / "whole.fls", .widen_quantum = true}).ok());
+  for (const uint64_t memory : {uint64_t{1}, uint64_t{1} << 24, uint64_t{1} << 30}) {
+    const auto built = buildByBlocks(
+        source, {.plan = {.widen_quantum = true, .memory_bytes = memory, .block_log2 = 9}, .output = folder / "a.fls"});
+    ASSERT_TRUE(built.ok()) << built.error().message;
+    EXPECT_EQ(test::slurp(folder / "a.fls"), test::slurp(folder / "whole.fls"));
+    EXPECT_FALSE(std::filesystem::exists(folder / "a.fls.blocks"));
+  }
+  EXPECT_TRUE(verifyScene(folder / "a.fls")->sound());
+}
+
+// A build that stops in the middle keeps its blocks, and the next one makes only those that are missing or damaged.
+TEST(MergeBlocks, AStoppedBuildGoesOn) {
+  const test::TemporaryFolder folder;
+  test::FormulaSource source = sourceOf(1300, 1300, FrameKind::kPlanar);
+  const WindowedOptions options{.plan = {.block_log2 = 9}, .output = folder / "a.fls"};
+  int asked = 0;
+  ASSERT_FALSE(buildByBlocks(source, options, {.keepGoing = [&] { return ++asked < 6; }}).ok());
+  std::vector<std::filesystem::path> kept;
+  for (const auto& entry : std::filesystem::directory_iterator(folder / "a.fls.blocks")) kept.push_back(entry.path());
+  ASSERT_GE(kept.size(), 2u);
+  const auto before = std::filesystem::last_write_time(kept.front());
+  std::filesystem::resize_file(kept.back(), 100);
+  bool is_kept = false;
+  const auto built = buildByBlocks(source, options, {.report = [&](std::string_view stage, double) {
+                                     if (stage == "merging")
+                                       is_kept = std::filesystem::last_write_time(kept.front()) == before;
+                                   }});
+  ASSERT_TRUE(built.ok()) << built.error().message;
+  EXPECT_TRUE(is_kept);
+  ASSERT_TRUE(buildScene(source, {.output = folder / "whole.fls"}).ok());
+  EXPECT_EQ(test::slurp(folder / "a.fls"), test::slurp(folder / "whole.fls"));
+}
+
+// One sample that changes, changes the ids of the blocks whose halos hold it, and no others.
+TEST(MergeBlocks, AChangeIsThatOfItsBlocksAlone) {
+  test::FormulaSource source = sourceOf(2000, 2000, FrameKind::kPlanar);
+  const auto hills = test::hills(1);
+  test::FormulaSource changed(2000, 2000,
+                              [&](uint32_t x, uint32_t y) { return hills(x, y) + (x == 1030 && y == 700 ? 1 : 0); });
+  changed.info().frame = source.info().frame;
+  const Sharded before(source, 9), after(changed, 9);
+  std::vector<size_t> differ;
+  for (size_t i = 0; i < before.plan.ids.size(); ++i)
+    if (before.plan.ids[i] != after.plan.ids[i]) differ.push_back(i);
+  EXPECT_EQ(differ, (std::vector<size_t>{before.blocks.columns() + 1, before.blocks.columns() + 2}));
+}
+
+TEST(MergeBlocks, NamesTheBlockThatIsMissingDamagedOrAnother) {
+  const test::TemporaryFolder folder;
+  test::FormulaSource source = sourceOf(1100, 700, FrameKind::kPlanar);
+  const Sharded sharded(source, 9);
+  for (uint64_t number = 0; number < sharded.blocks.count(); ++number)
+    ASSERT_TRUE(sharded.make(source, folder.path(), number).ok());
+  const auto refusal = [&] {
+    const auto merged = mergeBlocks(source, sharded.plan, {folder.path(), folder / "a.fls"});
+    EXPECT_FALSE(std::filesystem::exists(folder / "a.fls"));
+    return merged.ok() ? "" : merged.error().message;
+  };
+  const auto path = blockPath(folder.path(), sharded.plan.ids[3]);
+  const std::vector<char> sound = test::slurp(path);
+  std::vector<char> damaged = sound;
+  damaged[damaged.size() / 2] ^= 1;
+  test::spit(path, damaged);
+  EXPECT_NE(refusal().find(path.string() + ": damaged"), std::string::npos);
+  test::spit(path, {sound.begin(), sound.begin() + 200});
+  EXPECT_NE(refusal().find(path.string() + ": damaged"), std::string::npos);
+  test::spit(path, test::slurp(blockPath(folder.path(), sharded.plan.ids[2])));
+  EXPECT_NE(refusal().find("another block"), std::string::npos);
+  std::filesystem::remove(path);
+  EXPECT_NE(refusal().find("block 3 of the plan is missing"), std::string::npos);
+}
+
+TEST(MergeBlocks, RefusesWhatBlocksCannotMake) {
+  test::FormulaSource small(40, 40, test::hills(1));
+  EXPECT_NE(planBlocks(small, {}).error().message.find("at once"), std::string::npos);
+  test::FormulaSource voids(1000, 1000, [](uint32_t x, uint32_t y) { return x == 700 && y == 3 ? std::nan("") : 1.0; });
+  EXPECT_NE(planBlocks(voids, {}).error().message.find("void"), std::string::npos);
+  test::FormulaSource tall(1000, 1000, [](uint32_t x, uint32_t) { return x == 4 ? 3e38 : 0.0; });
+  EXPECT_EQ(planBlocks(tall, {}).error().code, ErrorCode::kLimit);
+}
+
+}  // namespace
+}  // namespace foreland::terrain
