@@ -83,8 +83,9 @@ test('the ground that is grabbed stays under the pointer, and what the wheel nea
     let last;
     await until(page, (s) => s.frames > 0);
     do { last = (await status(page)).eye; await untilDrawn(page); } while (apart((await status(page)).eye, last) > 1);
-    const neared = await onScreen(page, there);
-    assert.ok(Math.hypot(neared[0] - 300, neared[1] - 210) < 0.5, neared.join());
+    // What was drawn when it was pointed at may have been off by the tolerance, a pixel of then.
+    const neared = await onScreen(page, there), grown = above_ground_m / (await status(page)).above_ground_m;
+    assert.ok(grown > 4 && Math.hypot(neared[0] - 300, neared[1] - 210) < 0.5 + grown, `${neared.join()}, ${grown} times nearer`);
   }));
 
 test('the other button tilts about what it points at', kTest, () =>
