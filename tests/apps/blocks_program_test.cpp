@@ -47,8 +47,8 @@ TEST_F(BlocksProgram, MakeTheSceneThatBuildMakes) {
   succeed("merge", {plan(), blocks(), "-o", scene()});
   succeed("build", {input(), "--frame", "planar", "-o", folder_ / "whole.fls"});
   succeed("build", {input(), "--frame", "planar", "--memory", "1", "-o", folder_ / "windowed.fls"});
-  EXPECT_EQ(slurp(scene()), slurp(folder_ / "whole.fls"));
-  EXPECT_EQ(slurp(scene()), slurp(folder_ / "windowed.fls"));
+  EXPECT_TRUE(slurp(scene()) == slurp(folder_ / "whole.fls"));
+  EXPECT_TRUE(slurp(scene()) == slurp(folder_ / "windowed.fls"));
 }
 
 TEST_F(BlocksProgram, AChangedInputNeedsANewPlanAndOnlyItsBlocks) {
@@ -61,7 +61,7 @@ TEST_F(BlocksProgram, AChangedInputNeedsANewPlanAndOnlyItsBlocks) {
   EXPECT_EQ(filesIn(blocks()), 3u);  // the western block is as it was
   succeed("merge", {plan(), blocks(), "-o", scene()});
   succeed("build", {input(), "--frame", "planar", "-o", folder_ / "whole.fls"});
-  EXPECT_EQ(slurp(scene()), slurp(folder_ / "whole.fls"));
+  EXPECT_TRUE(slurp(scene()) == slurp(folder_ / "whole.fls"));
 }
 
 TEST_F(BlocksProgram, NameWhatIsWrongAndTheWayOut) {
