@@ -37,6 +37,7 @@ export interface Address {
   server: string; // ws://... or wss://...
   token: string | null; // for a server that asks for one
   view: number[] | null; // x, y, z in metres, heading, pitch in degrees
+  cut: string | null; // as CutControl writes it
   overlays: string[]; // addresses of files that lie on the ground
   anisotropy: number | null; // of pictures; null: what the graphics card does cheaply
   sharpness: number; // most device pixels per page pixel
@@ -131,6 +132,7 @@ export function readAddress(location: Location, server: string): Address {
     server,
     token,
     view: view?.length === 5 && view.every(Number.isFinite) ? view : null,
+    cut: query.get('cut'),
     overlays: query.getAll('overlay').slice(0, kMaxOverlays),
     anisotropy: query.has('anisotropy') ? numberIn(query, 'anisotropy', 1, 16, 1) : null,
     sharpness: numberIn(query, 'sharpness', 0.25, 3, 2),
