@@ -14,29 +14,39 @@ FlightJudgement FlightJudge::judge(const FlightPiece& piece) {
   return found;
 }
 
+FlightJudge::Drawn FlightJudge::drawn(const FlightPiece& piece, const proto::Pose& asked, const proto::Lens& lens) {
+  const client::Exaggeration& e = piece.exaggeration;
+  return e.factor == 1 ? Drawn{asked, lens} : Drawn{e.drawnPose(asked), e.drawn};
+}
+
 void FlightJudge::judgeKeyframe(const FlightPiece& piece, FlightJudgement& found) {
   const client::KeyframeMesh& mesh = *piece.mesh;
-  found.keyframe = oracle_.error(mesh, 1, mesh.to.pose, mesh.to.lens);
-  found.is_keyframe_over_tolerance = found.keyframe->max_px > mesh.to.frameTolerance() + kSlack_px;
+  const Drawn camera = drawn(piece, mesh.to.pose, mesh.to.lens);
+  found.keyframe = oracle_.error(mesh, 1, camera.pose, camera.lens);
+  found.is_keyframe_over_tolerance =
+      found.keyframe->max_px > piece.exaggeration.finer * mesh.to.frameTolerance() + kSlack_px;
   if (!piece.keyframe->exact) return;
   const DrawnShare newest{.mesh = &mesh, .weight = 1}, exact{.mesh = piece.keyframe->exact->mesh(section_at_).get()};
-  found.extrapolation = oracle_.difference({&newest, 1}, {&exact, 1}, piece.keyframe->true_pose, piece.lens);
+  const Drawn wanted = drawn(piece, piece.keyframe->true_pose, piece.lens);
+  found.extrapolation = oracle_.difference({&newest, 1}, {&exact, 1}, wanted.pose, wanted.lens);
 }
 
 void FlightJudge::judgeFrame(const FlightPiece& piece, FlightJudgement& found) {
   const FlightPiece::Frame& frame = *piece.shown;
-  found.shown = oracle_.error(*piece.mesh, frame.weight, frame.pose, piece.lens);
+  const Drawn camera = drawn(piece, frame.pose, piece.lens);
+  found.shown = oracle_.error(*piece.mesh, frame.weight, camera.pose, camera.lens);
   found.weight = frame.weight;
   found.is_outside = frame.is_outside;
-  found.is_over_tolerance = found.shown->max_px > frame.tolerance_px + kSlack_px;
+  found.is_over_tolerance = found.shown->max_px > piece.exaggeration.finer * frame.tolerance_px + kSlack_px;
   if (frame.terms) measureTerms(piece, *frame.terms, found);
 }
 
 void FlightJudge::measureTerms(const FlightPiece& piece, const FlightPiece::Terms& terms, FlightJudgement& found) {
   const FlightPiece::Frame& frame = *piece.shown;
+  const Drawn camera = drawn(piece, frame.pose, piece.lens);
   const auto difference = [&](Surface a, const client::KeyframeMesh& b) {
     const DrawnShare whole{.mesh = &b};
-    return oracle_.difference(a, {&whole, 1}, frame.pose, piece.lens);
+    return oracle_.difference(a, {&whole, 1}, camera.pose, camera.lens);
   };
   const FlightPiece::Mesh shown = section_at_(terms.shown);
   if (terms.from) {
@@ -55,7 +65,9 @@ void FlightJudge::measureTerms(const FlightPiece& piece, const FlightPiece::Term
 
 void FlightJudge::measureMotion(const FlightPiece& piece, FlightJudgement& found) const {
   const FlightPiece::Motion& motion = *piece.motion;
-  const size_t seen = collectLodMotion(*piece.mesh, motion.weights, motion.pose, piece.lens, found.moved_px);
+  const Drawn camera = drawn(piece, motion.pose, piece.lens);
+  const size_t seen =
+      collectLodMotion(*piece.mesh, motion.weights, camera.pose, camera.lens, found.moved_px, oracle_.stretch());
   Deviation& all = found.motion.emplace();
   double sum2 = 0;
   for (double& px : found.moved_px) {

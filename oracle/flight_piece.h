@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "client/fly/exaggeration.h"
 #include "oracle/exact_keyframes.h"
 #include "oracle/lod_motion.h"
 #include "oracle/scene_oracle.h"
@@ -22,8 +23,9 @@ struct FlightPiece {
 
   Mesh mesh;  // that the frame shows
   proto::GridShape shape;
-  proto::Lens lens;
-  uint64_t frame = 0;  // of those replayed
+  proto::Lens lens;                   // that the server was told
+  client::Exaggeration exaggeration;  // factor 1: `lens` is what is drawn with
+  uint64_t frame = 0;                 // of those replayed
   bool looks_for_cracks = false;
 
   // The keyframe that the mesh leads to.
@@ -76,6 +78,12 @@ class FlightJudge {
   FlightJudgement judge(const FlightPiece& piece);
 
  private:
+  // The camera of the picture, of which the server was told `asked`.
+  struct Drawn {
+    proto::Pose pose;
+    proto::Lens lens;
+  };
+  static Drawn drawn(const FlightPiece& piece, const proto::Pose& asked, const proto::Lens& lens);
   void judgeKeyframe(const FlightPiece& piece, FlightJudgement& found);
   void judgeFrame(const FlightPiece& piece, FlightJudgement& found);
   void measureTerms(const FlightPiece& piece, const FlightPiece::Terms& terms, FlightJudgement& found);

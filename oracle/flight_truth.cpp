@@ -29,6 +29,7 @@ class Measurement {
         strategy_(log.options.request.strategy),
         blend_(log.options.blend),
         lens_(log.options.request.lens),
+        exaggeration_(log.options.exaggeration),
         asked_interval_(log.options.request.keyframe_interval) {
     truth_.has_terms = options.sections != nullptr && options.terms_every > 0;
     for (const client::FlightLog::Entry& entry : log.entries)
@@ -50,7 +51,11 @@ class Measurement {
       delay_sum_ms_ += delay_ms;
       truth_.delay_max_ms = std::max(truth_.delay_max_ms, delay_ms);
     }
-    FlightPiece piece{.mesh = {}, .shape = player.viewer().welcome()->shape, .lens = lens_, .frame = replayed_};
+    FlightPiece piece{.mesh = {},
+                      .shape = player.viewer().welcome()->shape,
+                      .lens = lens_,
+                      .exaggeration = exaggeration_,
+                      .frame = replayed_};
     bool is_judged = is_new && takeMesh(player, piece);
     if (frames_++ % truth_.frame_every == 0) {
       is_judged = true;
@@ -194,6 +199,7 @@ class Measurement {
   proto::Strategy strategy_;
   client::Blend blend_;
   proto::Lens lens_;
+  client::Exaggeration exaggeration_;
   Duration asked_interval_;
   FlightTruth truth_;
   ExactKeyframes exact_;
@@ -231,6 +237,7 @@ FlightTruth measureFlight(const client::FlightLog& log, SceneOracle& oracle, con
   Measurement measurement(log, options);
   std::vector<SceneOracle> twins;
   std::vector<FlightJudge> judges;
+  oracle.exaggerate(log.options.exaggeration.factor);
   const unsigned workers = workerCount(options.threads);
   for (unsigned i = 0; i < workers; ++i) twins.push_back(oracle.twin());
   for (SceneOracle& twin : twins) judges.emplace_back(twin, options.sections ? options.sections() : SectionAt());

@@ -47,8 +47,8 @@ size_t collect(const client::BlendMesh& mesh, std::span<const uint32_t> indices,
 }  // namespace
 
 size_t collectLodMotion(const client::KeyframeMesh& mesh, WeightStep step, const proto::Pose& pose,
-                        const proto::Lens& lens, std::vector<double>& out_px) {
-  const OracleEye eye(pose, lens);
+                        const proto::Lens& lens, std::vector<double>& out_px, const Stretch& stretch) {
+  const OracleEye eye(pose, lens, stretch);
   const Step seen{eye, mesh.origin, step};
   return collect(mesh, mesh.indices, seen, out_px) + collect(mesh.objects, objectIndices(mesh), seen, out_px);
 }

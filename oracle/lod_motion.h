@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "client/mesh/patch/keyframe_mesh.h"
+#include "oracle/stretch.h"
 #include "proto/space/pose.h"
 
 namespace foreland::oracle {
@@ -18,6 +19,6 @@ struct WeightStep {
 // 1 m in front of the eye; vertices of the terrain and of objects alike. Returns how many vertices are so seen, still
 // ones included.
 size_t collectLodMotion(const client::KeyframeMesh& mesh, WeightStep step, const proto::Pose& pose,
-                        const proto::Lens& lens, std::vector<double>& out_px);
+                        const proto::Lens& lens, std::vector<double>& out_px, const Stretch& stretch = {});
 
 }  // namespace foreland::oracle

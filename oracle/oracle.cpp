@@ -25,24 +25,25 @@ struct Sphere {
 // What projecting needs, computed once per frame.
 struct Camera {
   glm::dvec3 eye, right, up, back;
-  double focal_px, half_width_px, half_height_px, near_m;
+  double focal_px, half_width_px, half_height_px, near_m, stretched;
 
-  Camera(const proto::Pose& pose, const proto::Lens& lens, double near)
+  Camera(const proto::Pose& pose, const proto::Lens& lens, double near, const Stretch& stretch)
       : eye(pose.eye),
-        right(pose.right()),
-        up(pose.up()),
-        back(-pose.forward()),
+        right(stretch(pose.right())),
+        up(stretch(pose.up())),
+        back(-stretch(pose.forward())),
         focal_px(lens.focalPx()),
         half_width_px(0.5 * lens.width_px),
         half_height_px(0.5 * lens.height_px),
-        near_m(near) {}
+        near_m(near),
+        stretched(stretch.largest()) {}
 
   bool maySee(const Sphere& s) const {
     const glm::dvec3 d = s.centre - eye;
-    const double depth = -glm::dot(back, d);
-    if (depth < near_m - s.radius) return false;
-    return isWithin(std::fabs(glm::dot(right, d)), depth, half_width_px, s.radius) &&
-           isWithin(std::fabs(glm::dot(up, d)), depth, half_height_px, s.radius);
+    const double depth = -glm::dot(back, d), radius = stretched * s.radius;
+    if (depth < near_m - radius) return false;
+    return isWithin(std::fabs(glm::dot(right, d)), depth, half_width_px, radius) &&
+           isWithin(std::fabs(glm::dot(up, d)), depth, half_height_px, radius);
   }
 
  private:
@@ -172,6 +173,7 @@ struct Oracle::Ground {
 struct Oracle::Impl {
   std::shared_ptr<Ground> ground;
   double near_m;
+  Stretch stretch;
   std::vector<HeightBlock> own;  // by block, at `time`; empty where all share it, and until first needed
   size_t held = 0;               // of these, not empty
   std::vector<int32_t> rank;
@@ -402,10 +404,12 @@ Oracle Oracle::twin() {
   impl_->ground->load();
   Oracle other(std::make_unique<Impl>(impl_->ground, impl_->near_m));
   other.setSight(impl_->sight);
+  other.setStretch(impl_->stretch);
   return other;
 }
 
 void Oracle::setSight(Sight sight) { impl_->sight = std::move(sight); }
+void Oracle::setStretch(const Stretch& stretch) { impl_->stretch = stretch; }
 
 void Oracle::showAt(const TruthTime& time) { impl_->showAt(time); }
 
@@ -451,7 +455,7 @@ Deviation Oracle::difference(Surface a, Surface b, const proto::Pose& pose, cons
 std::vector<Deviation> Oracle::compare(std::span<const Surface> surfaces, std::span<const SurfacePair> pairs,
                                        const proto::Pose& pose, const proto::Lens& lens) {
   Impl& impl = *impl_;
-  const Camera camera(pose, lens, impl.near_m);
+  const Camera camera(pose, lens, impl.near_m, impl.stretch);
   impl.chooseBlocks(camera);
   if (impl.tiles.size() < surfaces.size()) {
     impl.rasters.resize(surfaces.size());

@@ -23,6 +23,7 @@
 
 #include "base/time.h"
 #include "client/mesh/patch/keyframe_mesh.h"
+#include "oracle/stretch.h"
 #include "proto/section/epochs.h"
 #include "proto/space/frame_grid.h"
 #include "proto/space/pose.h"
@@ -111,6 +112,8 @@ class Oracle {
 
   // From now on samples with errors that do not count by this are left out of all comparisons.
   void setSight(Sight sight);
+  // From now on pictures are stretched; distances in metres and what is near stay those of the scene.
+  void setStretch(const Stretch& stretch);
 
   // Moves the ground of a truth that has epochs; at first it is as at the first one.
   void showAt(const TruthTime& time);

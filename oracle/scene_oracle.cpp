@@ -47,7 +47,7 @@ SceneDeviation SceneOracle::error(const client::KeyframeMesh& mesh, double weigh
   terrain_.setSight(sight);
   SceneDeviation all{patchwork_ ? patchwork_->error(mesh, weight, pose, lens)
                                 : terrain_.error({&drawn, 1}, pose, lens)};
-  const SurfaceJudgement objects = objects_->judge(mesh, weight, pose, lens, carried(), poseShares(), sight);
+  const SurfaceJudgement objects = objects_->judge(mesh, weight, pose, lens, carried(), poseShares(), sight, stretch_);
   all.silhouette_px = objects.silhouette.max_px;
   all.interior_px = objects.interior.max_px;
   all.object_vertices = objects.silhouette.vertices + objects.interior.vertices;

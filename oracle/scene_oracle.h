@@ -46,6 +46,7 @@ class SceneOracle {
     SceneOracle other(frame_, terrain_.twin(), objects_);
     if (patchwork_) other.patchwork_.emplace(patchwork_->twin());
     other.is_seen_ = is_seen_;
+    other.stretch_ = stretch_;
     return other;
   }
 
@@ -53,6 +54,13 @@ class SceneOracle {
   void judgeOnlySeen(std::function<bool(const glm::dvec3& point, const glm::dvec3& eye)> is_seen) {
     is_seen_ = std::move(is_seen);
   }
+
+  // From now on heights are drawn so many times as tall. Not of a globe.
+  void exaggerate(double factor) {
+    stretch_.factor = factor;
+    terrain_.setStretch(stretch_);
+  }
+  const Stretch& stretch() const { return stretch_; }
 
   // What is drawn is mix(from, to, weight).
   SceneDeviation error(const client::KeyframeMesh& mesh, double weight, const proto::Pose& pose,
@@ -87,6 +95,7 @@ class SceneOracle {
   std::optional<Patchwork> patchwork_;  // judges the terrain instead
   std::shared_ptr<const ObjectsOracle> objects_;
   std::function<bool(const glm::dvec3& point, const glm::dvec3& eye)> is_seen_;
+  Stretch stretch_;
 };
 
 }  // namespace foreland::oracle

@@ -80,6 +80,11 @@ int run(const FlyOptions& o) {
     if (o.occlusion == "on" && !welcomed.viewer().welcome()->occlusion)
       return Error{ErrorCode::kUnsupported,
                    "--occlusion on: this server leaves nothing out; start it with --occlusion auto, or fly with it"};
+    if (o.exaggeration != 1 && welcomed.viewer().welcome()->shape.is_cube)
+      return Error{ErrorCode::kUnsupported, "--exaggeration: a globe has no one direction of height"};
+    if (o.exaggeration != 1 && !o.truth.empty() && welcomed.viewer().welcome()->shape.sparse_levels > 0)
+      return Error{ErrorCode::kUnsupported,
+                   "--exaggeration: ground that is fine in places is judged at its true heights; leave out --truth"};
     return afterwards->checkScene(welcomed.viewer());
   };
   const auto record = [&](const client::Player& flying) { recorder->onFrame(flying); };

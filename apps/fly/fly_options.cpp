@@ -142,6 +142,13 @@ void addDetail(CLI::App& app, FlyOptions& o) {
       ->type_name(number("DEG"))
       ->check(within(1.0, 170.0))
       ->capture_default_str();
+  add("--exaggeration", o.exaggeration,
+      "draw heights so many times as tall; what is drawn keeps --tau, and --truth judges it, so the server is asked "
+      "for "
+      "more")
+      ->type_name(number("X"))
+      ->check(within(client::Exaggeration::kLeast, client::Exaggeration::kMost))
+      ->capture_default_str();
   add("--max-triangles", o.max_triangles, "budget: the tolerance rises to stay inside; 0: none")
       ->type_name(whole("N"))
       ->capture_default_str();
@@ -169,6 +176,7 @@ void addReport(CLI::App& app, FlyOptions& o) {
   CLI::Option* record =
       app.add_option("--record", o.record, "write all that comes in to this file, for `foreland replay`");
   record->type_name(file("FILE"))->group("The report");
+  app.get_option("--exaggeration")->excludes(record)->excludes(app.get_option("--dump"));
   app.add_option("--viewers", o.viewers, "fly so many viewers at once, and report on all together")
       ->type_name(whole("N"))
       ->check(within(1, 10'000))
@@ -188,6 +196,16 @@ const std::vector<Example> kExamples{
     {"a paraglider's track, 20 times as fast", "foreland fly ws://127.0.0.1:8080 --track flight.igc --speed 20"},
     {"through seven years of a volcano",
      "foreland fly ws://127.0.0.1:8080 --tour orbit --scene-from 2000-09-25 --scene-speed 90d/s"}};
+
+// Flies so that what is drawn keeps the tolerance where heights are taller.
+Status exaggerate(const FlyOptions& o, client::PlayerOptions& player) {
+  if (o.exaggeration == 1) return {};
+  if (o.tour == "jumps") return invalid("--exaggeration: the tour 'jumps' shows true heights only; choose another one");
+  player.exaggeration = client::Exaggeration::of(o.exaggeration, player.request.lens);
+  player.request.lens = player.exaggeration.asked;
+  player.request.tau_px /= player.exaggeration.finer;
+  return {};
+}
 
 }  // namespace
 
@@ -232,6 +250,7 @@ Result<client::PlayerOptions> playerOptions(const FlyOptions& o) {
                                .scene = *scene,
                                .seconds = o.seconds.value_or(60)};
   player.track_options.seconds = o.seconds;
+  if (Status s = exaggerate(o, player); !s.ok()) return s.error();
   if (!o.track) return player;
   Result<client::Track> track = readForeignTrack(*o.track);
   if (!track.ok()) return track.error();

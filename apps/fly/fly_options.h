@@ -32,6 +32,7 @@ struct FlyOptions {
   uint32_t max_triangles = 0, max_kbit_per_s = 0;  // budgets; 0 for none
   std::string viewport = "1920x1080";
   double fov_deg = 60;
+  double exaggeration = 1;
   AfterwardsOptions afterwards;
   std::filesystem::path record;  // empty: nothing is recorded
   std::optional<std::string> scene_from, scene_speed;

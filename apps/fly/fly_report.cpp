@@ -72,6 +72,7 @@ Json reportOf(const FlySummary& s) {
   json["predictor"] = proto::name(s.request.predictor);
   json["blend"] = client::name(s.blend);
   json["tau_px"] = s.request.tau_px;
+  if (s.exaggeration != 1) json["exaggeration"] = s.exaggeration;
   json["keyframe_ms"] = s.request.keyframe_interval.toMilliseconds();
   json["longest_keyframe_ms"] = s.request.longest_interval.toMilliseconds();
   json["worst_lateness_ms"] = f.session.worst_lateness.toMilliseconds();
@@ -141,12 +142,14 @@ FlySummary summaryOf(const client::Player& player) {
                      .asked_s = options.track ? options.track_options.seconds : options.seconds,
                      .is_steered = options.is_steered,
                      .request = options.request,
+                     .exaggeration = options.exaggeration.factor,
                      .blend = options.blend,
                      .flight = player.report(),
                      .truth = {},
                      .notes = {},
                      .error = {},
                      .replayed = {}};
+  summary.request.tau_px *= options.exaggeration.finer;
   if (options.is_steered) summary.asked_s.reset();
   if (options.track) summary.notes = options.track->notes;
   summary.notes.insert(summary.notes.end(), player.notes().begin(), player.notes().end());

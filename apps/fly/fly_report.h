@@ -23,7 +23,8 @@ struct FlySummary {
   std::string course;             // what was flown, for people
   std::optional<double> asked_s;  // absent: all of a track
   bool is_steered = false;        // by a person
-  proto::ViewRequest request;
+  proto::ViewRequest request;     // its tolerance is that of the picture
+  double exaggeration = 1;        // of heights in the picture
   client::Blend blend = client::Blend::kKeyframe;
   client::FlightReport flight;
   std::optional<oracle::FlightTruth> truth;

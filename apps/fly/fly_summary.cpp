@@ -24,7 +24,8 @@ void addFlight(const FlySummary& s, Summary& out) {
   std::string flight = digits(s.flight.seconds) + " s";
   if (s.asked_s) flight += asked(shortest(*s.asked_s) + " s");
   out.add("flight", flight + ", " + s.course + ", strategy " + proto::name(s.request.strategy) + ", predictor " +
-                        proto::name(s.request.predictor) + ", blend " + client::name(s.blend));
+                        proto::name(s.request.predictor) + ", blend " + client::name(s.blend) +
+                        (s.exaggeration != 1 ? ", heights " + shortest(s.exaggeration) + " times as tall" : ""));
   if (s.flight.scene_first) out.add("scene", dateText(*s.flight.scene_first) + " to " + dateText(*s.flight.scene_last));
 }
 

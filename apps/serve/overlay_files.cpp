@@ -15,12 +15,18 @@ namespace foreland::apps {
 namespace fs = std::filesystem;
 namespace {
 
-// Extensions, and how files of these begin.
+// Extensions, and how files of these begin; tables may begin with anything.
 struct Kind {
   std::string_view extension, begins;
 };
-constexpr std::array<Kind, 6> kKinds = {
-    {{".geojson", "{"}, {".json", "{"}, {".kml", "<"}, {".gpx", "<"}, {".kmz", "PK"}, {".igc", "A"}}};
+constexpr std::array<Kind, 8> kKinds = {{{".geojson", "{"},
+                                         {".json", "{"},
+                                         {".kml", "<"},
+                                         {".gpx", "<"},
+                                         {".kmz", "PK"},
+                                         {".igc", "A"},
+                                         {".csv", ""},
+                                         {".tsv", ""}}};
 
 Error refusal(const fs::path& path, ErrorCode code, const std::string& why) {
   return {code, fmt::format("--overlay '{}': {}", path.string(), why)};
@@ -38,9 +44,9 @@ Result<const Kind*> kindOf(const fs::path& path) {
   const auto found =
       std::find_if(kKinds.begin(), kKinds.end(), [&](const Kind& k) { return k.extension == extension; });
   if (found != kKinds.end()) return &*found;
-  return refusal(
-      path, ErrorCode::kInvalidArgument,
-      "pages read .geojson, .json, .kml, .kmz, .gpx and .igc; bring it to GeoJSON, as by ogr2ogr -f GeoJSON");
+  return refusal(path, ErrorCode::kInvalidArgument,
+                 "pages read .geojson, .json, .kml, .kmz, .gpx, .igc, .csv and .tsv; bring it to GeoJSON, as by "
+                 "ogr2ogr -f GeoJSON");
 }
 
 Result<std::string> contentOf(const fs::path& path) {
@@ -68,7 +74,9 @@ Status beginsAs(const Kind& kind, const fs::path& path, std::string_view body) {
   const size_t first = body.find_first_not_of(std::string_view(" \t\r\n\0", 5));
   if (first != std::string_view::npos && body.substr(first).starts_with(kind.begins)) return {};
   return refusal(path, ErrorCode::kInvalidArgument,
-                 fmt::format("it is no {} file, which begins with {}", kind.extension.substr(1), kind.begins));
+                 kind.begins.empty()
+                     ? "it is empty"
+                     : fmt::format("it is no {} file, which begins with {}", kind.extension.substr(1), kind.begins));
 }
 
 }  // namespace

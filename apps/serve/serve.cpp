@@ -1,6 +1,7 @@
-// `foreland serve SCENE`: serves one scene to viewers over WebSocket, and the page that shows it over HTTP, until
-// SIGTERM or SIGINT. Exit code 0 after a clean stop, 2 if scene, options or port cannot be used, 3 if the scene's file
-// is lost meanwhile. The main thread waits for the signal; the server has threads of its own (docs/THREADS.md).
+// `foreland serve SCENE...`: serves one scene, or several at paths of their own, to viewers over WebSocket, and the
+// page that shows it over HTTP, until SIGTERM or SIGINT. Exit code 0 after a clean stop, 2 if scene, options or port
+// cannot be used, 3 if the scene's file is lost meanwhile. The main thread waits for the signal; the server has threads
+// of its own (docs/THREADS.md).
 #include <fmt/format.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
@@ -13,7 +14,9 @@
 #include <string>
 #include <system_error>
 #include <utility>
+#include <vector>
 
+#include "apps/serve/gallery.h"
 #include "apps/serve/overlay_files.h"
 #include "apps/serve/serve_options.h"
 #include "apps/serve/service.h"
@@ -73,7 +76,7 @@ server::Log logIn(const std::string& format) {
 constexpr size_t kLargeSceneBytes = size_t{256} << 20;
 
 // The images of the models in the format that the page reads: width and height, then texels row by row.
-std::map<std::string, std::string> imagesOf(const server::SceneObjects& objects) {
+std::map<std::string, std::string> imagesOf(const server::SceneObjects& objects, const std::string& folder) {
   std::map<std::string, std::string> files;
   for (size_t i = 0; i < objects.texels.size(); ++i) {
     const proto::ObjectModel& model = objects.set.models()[i];
@@ -83,7 +86,7 @@ std::map<std::string, std::string> imagesOf(const server::SceneObjects& objects)
     const uint32_t size[2] = {atlas.width(), atlas.height()};
     std::string body(reinterpret_cast<const char*>(size), sizeof(size));
     body.append(reinterpret_cast<const char*>(objects.texels[i].data()), objects.texels[i].size_bytes());
-    files[fmt::format("/models/{}.rgba", i)] = std::move(body);
+    files[fmt::format("{}/models/{}.rgba", folder, i)] = std::move(body);
   }
   return files;
 }
@@ -98,6 +101,40 @@ Result<std::shared_ptr<const server::World>> openWorld(const apps::ServeFlags& f
     log(server::Severity::kInfo,
         fmt::format("occluders take {:.1f} MiB", static_cast<double>((*world)->occlusion->bytes()) / (1 << 20)));
   return world;
+}
+
+// Those of `flags`, in its order, and what `options` lack for them: files, and that sessions prefetch.
+Result<std::vector<server::ServedScene>> openScenes(const apps::ServeFlags& flags, server::ServeOptions& options) {
+  const bool is_gallery = flags.scenes.size() > 1;
+  std::vector<apps::GalleryScene> gallery;
+  std::vector<server::ServedScene> served;
+  size_t bytes = 0;
+  const auto names = is_gallery ? apps::galleryNames(flags.scenes) : std::vector<std::string>(1);
+  if (!names) return names.error();
+  for (size_t i = 0; i < flags.scenes.size(); ++i) {
+    auto scene = terrain::openVerified(flags.scenes[i], 0, static_cast<uint64_t>(flags.page_cache_mib * 1048576));
+    if (!scene) return scene.error();
+    gallery.push_back({(*names)[i], *scene});
+    bytes += (*scene)->records().size_bytes();
+  }
+  if (Status s = apps::checkDifferent(gallery); !s.ok()) return s.error();
+  for (const apps::GalleryScene& scene : gallery) {
+    auto world = openWorld(flags, scene.scene, options.log);
+    if (!world) return world.error();
+    options.files.merge(imagesOf((*world)->hierarchy.objects(), is_gallery ? "/" + scene.name : ""));
+    served.push_back({scene.name, std::move(*world)});
+  }
+  if (is_gallery) options.files.merge(apps::galleryFiles(gallery));
+  if (bytes > kLargeSceneBytes) options.session.prefetch_ahead = Duration::milliseconds(2000);
+  return served;
+}
+
+// What is served, for people.
+std::string titleOf(const std::vector<server::ServedScene>& scenes) {
+  if (scenes.size() == 1) return scenes.front().world->hierarchy.scene().origin().title;
+  std::string names;
+  for (const server::ServedScene& scene : scenes) names += (names.empty() ? "" : ", ") + scene.name;
+  return fmt::format("{} scenes ({})", scenes.size(), names);
 }
 
 // For as many connections as are to be taken, those of operators, and files.
@@ -158,21 +195,16 @@ int main(int argc, char** argv) {
   auto overlays = apps::overlayFiles(flags.overlay);
   if (!overlays) return fail(overlays.error());
   terrain::endWhenAFileIsLost();
-  auto scene = terrain::openVerified(flags.scene, 0, static_cast<uint64_t>(flags.page_cache_mib * 1048576));
-  if (!scene) return fail(scene.error());
-  const std::string title = (*scene)->origin().title;
-  if ((*scene)->records().size_bytes() > kLargeSceneBytes)
-    options->session.prefetch_ahead = Duration::milliseconds(2000);
-  auto world = openWorld(flags, *scene, options->log);
-  if (!world) return fail(world.error());
-  options->files = imagesOf((*world)->hierarchy.objects());
+  auto scenes = openScenes(flags, *options);
+  if (!scenes) return fail(scenes.error());
   options->files.merge(*overlays);
   if (options->web.empty())
     options->log(server::Severity::kWarning,
                  "the page is not built, so only `foreland fly` can connect; ./demo builds it");
-  auto running = server::Server::listen(*world, *options, server::steadyNow);
+  auto running = scenes->size() == 1 ? server::Server::listen(scenes->front().world, *options, server::steadyNow)
+                                     : server::Server::listen(*scenes, *options, server::steadyNow);
   if (!running) return fail(running.error());
-  announce(**running, *options, title);
+  announce(**running, *options, titleOf(*scenes));
   run(**running, options->log, flags.drain_seconds, stop_signals);
   return 0;
 }

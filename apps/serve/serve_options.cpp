@@ -19,14 +19,20 @@ namespace foreland::apps {
 namespace {
 
 void addScene(CLI::App& app, ServeFlags& flags) {
-  app.add_option("SCENE", flags.scene, "scene file made by `foreland build`")->type_name(file("SCENE.fls"))->required();
+  app.add_option(
+         "SCENE", flags.scenes,
+         "scene file made by `foreland build`; several are each at a path of its own, /NAME/ for NAME.fls, and / "
+         "lists them")
+      ->type_name(file("SCENE.fls"))
+      ->required();
   app.add_option("--listen", flags.listen, "address and port; port 0 picks a free one")
       ->type_name(text("ADDRESS:PORT"))
       ->capture_default_str();
   app.add_option("--web", flags.web,
                  "directory of the page; by default the one that was built or installed with this program")
       ->type_name(folder("DIR"));
-  app.add_option("--overlay", flags.overlay, "GeoJSON, KML, KMZ, GPX or IGC that every page lays on the ground")
+  app.add_option("--overlay", flags.overlay,
+                 "GeoJSON, KML, KMZ, GPX, IGC or CSV of names that every page lays on the ground")
       ->type_name(file("FILE"))
       ->allow_extra_args(false);
   app.add_option("--threads", flags.threads, "threads that compute; 0 for one per processor")
@@ -152,6 +158,7 @@ void addConfiguration(CLI::App& app, bool& prints_config) {
 
 const std::vector<Example> kExamples{
     {"a scene, at http://127.0.0.1:8080", "foreland serve hills.fls"},
+    {"several scenes, which / lists", "foreland serve hills.fls alps.fls"},
     {"with TLS, for all addresses",
      "foreland serve hills.fls --listen 0.0.0.0:8443 --tls-cert cert.pem --tls-key key.pem"},
     {"with paths and huts on its ground", "foreland serve hills.fls --overlay paths.gpx --overlay huts.geojson"},

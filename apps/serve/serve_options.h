@@ -13,7 +13,7 @@
 namespace foreland::apps {
 
 struct ServeFlags {
-  std::filesystem::path scene;
+  std::vector<std::filesystem::path> scenes;
   std::string listen = "127.0.0.1:8080", metrics_listen, agent_listen;
   size_t threads = 0;  // 0: one per processor
   double tau_px = 1;

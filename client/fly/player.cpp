@@ -226,6 +226,7 @@ void Player::countJump(Time now) {
 
 Status Player::setPath(proto::Path path, Time now) {
   path.start = now + log_.options.standing;
+  for (proto::Pose& pose : path.poses) pose = log_.options.exaggeration.askedPose(pose);
   if (Status s = path.validate(); !s.ok()) return s;
   path_ = std::move(path);
   startScene();

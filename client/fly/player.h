@@ -14,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "client/fly/exaggeration.h"
 #include "client/fly/jump_tour.h"
 #include "client/fly/track_path.h"
 #include "client/fly/tracks/track.h"
@@ -35,6 +36,9 @@ struct PlayerOptions {
   std::string tour = "survey";  // used if there is no track; `jumps` is planned here, others by the server
   std::shared_ptr<const Track> track;
   TrackOptions track_options;
+  // If its factor is not 1, the request is for its asked lens and finer tolerance, tours and tracks are flown by the
+  // camera of the picture, and what is shown are asked poses. Not for `jumps` and steered flights.
+  Exaggeration exaggeration{};
   // In scenes with epochs: from which scene time and at which rate the flight goes through scene time, from its
   // beginning; SceneClock::at does not count.
   std::optional<proto::SceneClock> scene{};

@@ -114,7 +114,8 @@ std::vector<DrawnTriangle> ObjectsOracle::drawnTriangles(const client::KeyframeM
 
 SurfaceJudgement ObjectsOracle::judge(const client::KeyframeMesh& mesh, double weight, const proto::Pose& pose,
                                       const proto::Lens& lens, std::span<const glm::dvec3> carried,
-                                      std::span<const std::vector<double>> pose_shares, const Sight& sight) const {
+                                      std::span<const std::vector<double>> pose_shares, const Sight& sight,
+                                      const Stretch& stretch) const {
   SurfaceJudgement all;
   std::vector<std::optional<Model>> posed(models_.size());
   for (size_t i = 0; i < pose_shares.size(); ++i)
@@ -125,14 +126,17 @@ SurfaceJudgement ObjectsOracle::judge(const client::KeyframeMesh& mesh, double w
     if (!carried.empty()) placement.position += carried[i];
     const Model& model = posed[object.model] ? *posed[object.model] : models_[object.model];
     const proto::Pose seen_from = toModel(placement, pose);
-    if (!OracleEye(seen_from, lens).maySee(model.centre, model.radius)) continue;
+    const Stretch stretched{stretch.factor, glm::conjugate(placement.orientation) * stretch.along};
+    if (!OracleEye(seen_from, lens, stretched).maySee(model.centre, model.radius)) continue;
     const bool is_drawn = i < mesh.object_parts.size();
-    const SurfaceJudgement one =
-        model.oracle.judge(is_drawn ? drawnTriangles(mesh, i, placement, weight) : std::vector<DrawnTriangle>(),
-                           seen_from, lens, object.nearest_m, [&](const glm::dvec3& p, double px, bool is_silhouette) {
-                             const double per_tau = is_silhouette ? 1 : truth_.interior_per_tau;
-                             return sight.counts(px / per_tau, placement.toScene(p), pose.eye);
-                           });
+    const SurfaceJudgement one = model.oracle.judge(
+        is_drawn ? drawnTriangles(mesh, i, placement, weight) : std::vector<DrawnTriangle>(), seen_from, lens,
+        object.nearest_m,
+        [&](const glm::dvec3& p, double px, bool is_silhouette) {
+          const double per_tau = is_silhouette ? 1 : truth_.interior_per_tau;
+          return sight.counts(px / per_tau, placement.toScene(p), pose.eye);
+        },
+        stretched);
     all.silhouette.merge(one.silhouette);
     all.interior.merge(one.interior);
     all.max_m = std::max(all.max_m, one.max_m * object.placement.scale);

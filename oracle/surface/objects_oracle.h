@@ -56,10 +56,12 @@ class ObjectsOracle {
   // Over all objects. `max_m` is in the scene's metres, over the objects that may be in view. The camera is in the
   // scene's frame; what is drawn is mix(from, to, weight). `carried`: where each object ought to be by then, from where
   // it was placed; none: there. `pose_shares`: by model with poses, how much each contributes; none: the first alone.
-  // Errors above `sight`'s limit, inside times interiorPerTau(), count only where the true vertex is seen.
+  // Errors above `sight`'s limit, inside times interiorPerTau(), count only where the true vertex is seen. `stretch` is
+  // in the scene's frame.
   SurfaceJudgement judge(const client::KeyframeMesh& mesh, double weight, const proto::Pose& pose,
                          const proto::Lens& lens, std::span<const glm::dvec3> carried = {},
-                         std::span<const std::vector<double>> pose_shares = {}, const Sight& sight = {}) const;
+                         std::span<const std::vector<double>> pose_shares = {}, const Sight& sight = {},
+                         const Stretch& stretch = {}) const;
   // Of all objects; object_cracks.h says what is found.
   CrackReport findCracks(const client::KeyframeMesh& mesh) const;
 

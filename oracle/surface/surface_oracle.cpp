@@ -76,8 +76,9 @@ std::vector<SurfaceOracle::Side> SurfaceOracle::sides(const glm::dvec3& eye) con
 }
 
 SurfaceJudgement SurfaceOracle::judge(std::span<const DrawnTriangle> drawn, const proto::Pose& pose,
-                                      const proto::Lens& lens, double near_m, const Counts& counts) const {
-  const OracleEye eye(pose, lens);
+                                      const proto::Lens& lens, double near_m, const Counts& counts,
+                                      const Stretch& stretch) const {
+  const OracleEye eye(pose, lens, stretch);
   const auto positions = drawnPositions(drawn);
   const std::vector<Side> side = sides(pose.eye);
   SurfaceJudgement result;

@@ -82,7 +82,7 @@ class SurfaceOracle {
   explicit SurfaceOracle(SurfaceTruth truth);
 
   SurfaceJudgement judge(std::span<const DrawnTriangle> drawn, const proto::Pose& pose, const proto::Lens& lens,
-                         double near_m = 1e-3, const Counts& counts = {}) const;
+                         double near_m = 1e-3, const Counts& counts = {}, const Stretch& stretch = {}) const;
 
  private:
   enum class Side : uint8_t { kAway, kSilhouette, kFront };

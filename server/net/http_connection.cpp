@@ -17,6 +17,7 @@
 #include <utility>
 #include <variant>
 
+#include "server/net/http/scene_paths.h"
 #include "server/net/viewer_connection.h"
 #include "transport/transport.h"
 
@@ -92,7 +93,8 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
                                .if_range = view(request[http::field::if_range]),
                                .lost_its_upgrade = !view(request[http::field::sec_websocket_key]).empty()},
                               admission_ == Admission::kMetrics ? context_.metrics_site : context_.site);
-    if (reply.status == 426 && isForViewers(view(request.target()))) reply = viewersReply(std::move(reply));
+    if (reply.status == 426 && isForViewers(view(request.target()), context_.site))
+      reply = viewersReply(std::move(reply));
     write(reply, request.method() == http::verb::head, request.keep_alive());
   }
 
@@ -108,8 +110,11 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
   void letIn() {
     auto pass = admit();
     if (const auto* rejection = std::get_if<Rejection>(&pass)) return refuse(*rejection);
+    const auto scene = sceneToFly(view(parser_->get().target()), context_.site.scenes);
+    if (!scene) return refuse({404, RefusedFor::kScene, noSuchScene(context_.site)});
     context_.metrics.countHttpReply(101);
-    acceptViewer(std::move(stream_), std::move(count_), std::get<Pass>(std::move(pass)), parser_->release(), context_);
+    acceptViewer(std::move(stream_), std::move(count_), std::get<Pass>(std::move(pass)), *scene, parser_->release(),
+                 context_);
   }
 
   std::variant<Pass, Rejection> admit() {
@@ -183,6 +188,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     if (reply.status == 405) response_.set(http::field::allow, "GET, HEAD");
     if (reply.status == 503) response_.set(http::field::retry_after, "5");
     if (reply.status == 426) response_.set(http::field::upgrade, "websocket");
+    if (!reply.location.empty()) response_.set(http::field::location, reply.location);
     setSharing(reply);
   }
 

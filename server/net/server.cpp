@@ -23,6 +23,7 @@
 #include "server/net/access/tls.h"
 #include "server/net/context.h"
 #include "server/net/drain.h"
+#include "server/net/http/scene_paths.h"
 #include "server/net/http_connection.h"
 #include "server/net/listener.h"
 #include "server/net/memory_return.h"
@@ -47,15 +48,17 @@ constexpr int64_t kReserve = 16, kMaxMetricsConnections = 64;
 // Members use those declared above them, so they are destroyed in the right order.
 class Server::Impl {
  public:
-  Impl(std::shared_ptr<const World> world, ServeOptions options, StaticFiles files, Clock clock)
+  Impl(std::vector<std::shared_ptr<const World>> worlds, std::vector<std::string> names, ServeOptions options,
+       StaticFiles files, Clock clock)
       : options_(std::move(options)),
         clock_(std::move(clock)),
-        world_(std::move(world)),
+        worlds_(std::move(worlds)),
         pool_(options_.threads, clock_, [this](const char* what) { failed(what); }),
-        host_(world_, options_.session, options_.limits, pool_, clock_, metrics_),
+        host_(worlds_, options_.session, options_.limits, pool_, clock_, metrics_),
         site_{.files = std::move(files),
               .metrics = options_.metrics_listen ? std::function<std::string()>() : [this] { return metricsText(); },
-              .unready = [this] { return unready(1); }},
+              .unready = [this] { return unready(1); },
+              .scenes = std::move(names)},
         metrics_site_{
             .files = {}, .metrics = [this] { return metricsText(); }, .unready = [this] { return unready(0); }},
         gate_(options_.gate),
@@ -289,23 +292,37 @@ class Server::Impl {
                                        .load = host_.load(),
                                        .queue_depth = pool_.queueDepth(),
                                        .lateness = &pool_.lateness(),
-                                       .coded_pages = codedPages()});
+                                       .coded_pages = codedPages(),
+                                       .viewers_by_scene = viewersByScene()});
   }
 
+  // Of all scenes whose pages are coded.
   std::optional<CodedPageCounts> codedPages() const {
-    const terrain::CodedPages* pages = world_->hierarchy.scene().coded();
-    if (!pages) return std::nullopt;
-    const terrain::PageCache::Counts counts = pages->counts();
-    return CodedPageCounts{.held_bytes = counts.held * terrain::kGroupBytes,
-                           .inflated = counts.inflated,
-                           .woken = counts.woken,
-                           .evicted = counts.evicted,
-                           .damaged = pages->damagedGroups()};
+    std::optional<CodedPageCounts> sum;
+    for (const std::shared_ptr<const World>& world : worlds_) {
+      const terrain::CodedPages* pages = world->hierarchy.scene().coded();
+      if (!pages) continue;
+      if (!sum) sum.emplace();
+      const terrain::PageCache::Counts counts = pages->counts();
+      sum->held_bytes += counts.held * terrain::kGroupBytes;
+      sum->inflated += counts.inflated;
+      sum->woken += counts.woken;
+      sum->evicted += counts.evicted;
+      sum->damaged += pages->damagedGroups();
+    }
+    return sum;
+  }
+
+  std::vector<std::pair<std::string, int64_t>> viewersByScene() const {
+    std::vector<std::pair<std::string, int64_t>> all;
+    const std::vector<int64_t> sessions = host_.sessionsByWorld();
+    for (size_t i = 0; i < site_.scenes.size(); ++i) all.emplace_back(site_.scenes[i], sessions[i]);
+    return all;
   }
 
   const ServeOptions options_;
   const Clock clock_;
-  const std::shared_ptr<const World> world_;
+  const std::vector<std::shared_ptr<const World>> worlds_;
   const Time started_at_ = clock_();
   Metrics metrics_;
   std::map<std::string, size_t> connections_from_;
@@ -333,6 +350,23 @@ class Server::Impl {
 };
 
 Result<std::unique_ptr<Server>> Server::listen(std::shared_ptr<const World> world, ServeOptions options, Clock clock) {
+  std::vector<std::shared_ptr<const World>> worlds = {std::move(world)};
+  return listen(std::move(worlds), {}, std::move(options), std::move(clock));
+}
+
+Result<std::unique_ptr<Server>> Server::listen(std::vector<ServedScene> scenes, ServeOptions options, Clock clock) {
+  std::vector<std::shared_ptr<const World>> worlds;
+  std::vector<std::string> names;
+  for (ServedScene& scene : scenes) {
+    names.push_back(std::move(scene.name));
+    worlds.push_back(std::move(scene.world));
+  }
+  if (Status status = checkSceneNames(names); !status.ok()) return status.error();
+  return listen(std::move(worlds), std::move(names), std::move(options), std::move(clock));
+}
+
+Result<std::unique_ptr<Server>> Server::listen(std::vector<std::shared_ptr<const World>> worlds,
+                                               std::vector<std::string> names, ServeOptions options, Clock clock) {
   StaticFiles files;
   if (!options.web.empty()) {
     auto loaded = StaticFiles::load(options.web);
@@ -341,7 +375,8 @@ Result<std::unique_ptr<Server>> Server::listen(std::shared_ptr<const World> worl
   }
   for (auto& [path, body] : options.files) files.add(path, std::move(body));
   options.files.clear();
-  auto impl = std::make_unique<Impl>(std::move(world), std::move(options), std::move(files), std::move(clock));
+  auto impl = std::make_unique<Impl>(std::move(worlds), std::move(names), std::move(options), std::move(files),
+                                     std::move(clock));
   if (Status status = impl->listen(); !status.ok()) return status.error();
   impl->start();
   return std::unique_ptr<Server>(new Server(std::move(impl)));

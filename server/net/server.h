@@ -10,6 +10,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "base/result.h"
 #include "server/net/access/gate.h"
@@ -53,10 +54,20 @@ struct ServeOptions {
   Log log;                                            // may be empty
 };
 
+// One of several scenes, at /NAME/.
+struct ServedScene {
+  std::string name;
+  std::shared_ptr<const World> world;
+};
+
 class Server {
  public:
   // Listens and serves until stop(). An Error if the address cannot be listened on or the page's files cannot be read.
   static Result<std::unique_ptr<Server>> listen(std::shared_ptr<const World> world, ServeOptions options, Clock clock);
+  // The same of several scenes, whose viewers share threads and limits: the page, with the files that `options` have
+  // below /NAME/, and then those at the same path without it, is at /NAME/, and its viewers connect at /NAME/fly; `/`
+  // shows the file /scenes.html. An Error also if a name will not do (scene_paths.h).
+  static Result<std::unique_ptr<Server>> listen(std::vector<ServedScene> scenes, ServeOptions options, Clock clock);
   ~Server();
   Server(const Server&) = delete;
   Server& operator=(const Server&) = delete;
@@ -80,6 +91,8 @@ class Server {
 
  private:
   class Impl;
+  static Result<std::unique_ptr<Server>> listen(std::vector<std::shared_ptr<const World>> worlds,
+                                                std::vector<std::string> names, ServeOptions options, Clock clock);
   explicit Server(std::unique_ptr<Impl> impl);
   std::unique_ptr<Impl> impl_;
 };

@@ -30,32 +30,35 @@ int64_t milli(double value) { return std::llround(1000 * value); }
 
 }  // namespace
 
-SessionHost::SessionHost(std::shared_ptr<const World> world, SessionOptions options, HostLimits limits, Pool& pool,
-                         Clock clock, Metrics& metrics)
-    : world_(std::move(world)),
+SessionHost::SessionHost(std::vector<std::shared_ptr<const World>> worlds, SessionOptions options, HostLimits limits,
+                         Pool& pool, Clock clock, Metrics& metrics)
+    : worlds_(std::move(worlds)),
       options_(options),
       limits_(limits),
       pool_(pool),
       clock_(std::move(clock)),
       metrics_(metrics),
       load_(pool.threadCount()),
+      sessions_(worlds_.size()),
       scratch_(pool.threadCount()) {}
 
 SessionHost::~SessionHost() = default;
 
-std::shared_ptr<SessionActor> SessionHost::open(Outlet outlet, size_t max_nodes) {
+std::shared_ptr<SessionActor> SessionHost::open(Outlet outlet, size_t max_nodes, size_t world) {
   SessionOptions options = options_;
   if (max_nodes > 0) options.max_section_nodes = std::min(options.max_section_nodes, max_nodes);
   options.occlusion_rank = OcclusionControl::rankOf(opened_++);
-  return std::make_shared<SessionActor>(*this, options, std::move(outlet));
+  return std::make_shared<SessionActor>(*this, options, std::move(outlet), world);
 }
 
-SessionActor::SessionActor(SessionHost& host, const SessionOptions& options, Outlet outlet)
+SessionActor::SessionActor(SessionHost& host, const SessionOptions& options, Outlet outlet, size_t world)
     : host_(host),
+      world_(world),
       bytes_(std::make_shared<ViewerBytes>(host.limits_, host.metrics_)),
-      session_(host.world_, options),
+      session_(host.worlds_[world], options),
       outlet_(std::move(outlet)) {
   ++host_.metrics_.sessions;
+  ++host_.sessions_[world_];
   ++host_.metrics_.sessions_opened;
   host_.load_.addViewer();
 }
@@ -71,6 +74,7 @@ SessionActor::~SessionActor() {
   host_.metrics_.left_out_nodes -= static_cast<int64_t>(last.left_out_nodes);
   if (last.keyframes > 0) --host_.metrics_.flying;
   --host_.metrics_.sessions;
+  --host_.sessions_[world_];
 }
 
 Status SessionActor::deliver(Bytes message) {

@@ -44,12 +44,15 @@ class SessionActor;
 
 class SessionHost {
  public:
-  SessionHost(std::shared_ptr<const World> world, SessionOptions options, HostLimits limits, Pool& pool, Clock clock,
-              Metrics& metrics);
+  // One or more worlds, which viewers of any share the pool for.
+  SessionHost(std::vector<std::shared_ptr<const World>> worlds, SessionOptions options, HostLimits limits, Pool& pool,
+              Clock clock, Metrics& metrics);
   ~SessionHost();
 
-  // `max_nodes` of its section, at most; 0 for the server's limit.
-  std::shared_ptr<SessionActor> open(Outlet outlet, size_t max_nodes = 0);
+  // `max_nodes` of its section, at most; 0 for the server's limit. `world`: which it shows.
+  std::shared_ptr<SessionActor> open(Outlet outlet, size_t max_nodes = 0, size_t world = 0);
+  // Viewers connected, by world. Any thread.
+  std::vector<int64_t> sessionsByWorld() const { return {sessions_.begin(), sessions_.end()}; }
 
   // Whether the workers are too busy for further viewers. Any thread.
   bool isOverloaded() const { return load_.isOverloaded(clock_()); }
@@ -60,21 +63,22 @@ class SessionHost {
  private:
   friend class SessionActor;
 
-  const std::shared_ptr<const World> world_;
+  const std::vector<std::shared_ptr<const World>> worlds_;
   const SessionOptions options_;
   const HostLimits limits_;
   Pool& pool_;
   const Clock clock_;
   Metrics& metrics_;
   Load load_;
-  uint64_t opened_ = 0;                  // sessions, by the I/O thread
-  std::vector<SessionScratch> scratch_;  // one per worker, used by it alone
+  std::vector<std::atomic<int64_t>> sessions_;  // connected, by world
+  uint64_t opened_ = 0;                         // sessions, by the I/O thread
+  std::vector<SessionScratch> scratch_;         // one per worker, used by it alone
 };
 
 // One viewer's session and its inbox. The public functions belong to the I/O thread. The host outlives it.
 class SessionActor : public std::enable_shared_from_this<SessionActor> {
  public:
-  SessionActor(SessionHost& host, const SessionOptions& options, Outlet outlet);
+  SessionActor(SessionHost& host, const SessionOptions& options, Outlet outlet, size_t world);
   ~SessionActor();
 
   // Where the connection counts what it holds, too.
@@ -124,6 +128,7 @@ class SessionActor : public std::enable_shared_from_this<SessionActor> {
   void refuse(const std::string& message);
 
   SessionHost& host_;
+  const size_t world_;
   const std::shared_ptr<ViewerBytes> bytes_;
 
   std::mutex mutex_;  // protects what follows; held for a few instructions, and while submitting to the pool

@@ -42,15 +42,15 @@ std::string peerOf(const beast::tcp_stream& stream, const std::string& client) {
 
 }  // namespace
 
-void acceptViewer(transport::Transport stream, ConnectionCount count, Pass pass, UpgradeRequest request,
+void acceptViewer(transport::Transport stream, ConnectionCount count, Pass pass, size_t scene, UpgradeRequest request,
                   ServerContext& context) {
-  std::make_shared<ViewerConnection>(std::move(stream), std::move(count), std::move(pass), context)
+  std::make_shared<ViewerConnection>(std::move(stream), std::move(count), std::move(pass), scene, context)
       ->accept(std::move(request));
 }
 
-ViewerConnection::ViewerConnection(transport::Transport stream, ConnectionCount count, Pass pass,
+ViewerConnection::ViewerConnection(transport::Transport stream, ConnectionCount count, Pass pass, size_t scene,
                                    ServerContext& context)
-    : context_(context), count_(std::move(count)), pass_(std::move(pass)), stream_(std::move(stream)) {}
+    : context_(context), count_(std::move(count)), pass_(std::move(pass)), scene_(scene), stream_(std::move(stream)) {}
 
 ViewerConnection::~ViewerConnection() {
   if (bytes_) bytes_->add(-counted_bytes_);
@@ -108,7 +108,7 @@ void ViewerConnection::onAccept(beast::error_code error) {
   if (error || state_ == State::kGone) return giveUp();
   state_ = State::kOpen;
   heard_at_ = progress_at_ = opened_at_ = message_begun_at_ = context_.clock();
-  actor_ = context_.host.open(makeOutlet(), pass_.token.section_nodes);
+  actor_ = context_.host.open(makeOutlet(), pass_.token.section_nodes, scene_);
   bytes_ = actor_->bytes();
   context_.log(Severity::kInfo, "viewer " + peer_ + " is here");
   read();

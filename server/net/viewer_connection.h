@@ -25,7 +25,7 @@ using transport::UpgradeRequest;
 
 class ViewerConnection : public std::enable_shared_from_this<ViewerConnection> {
  public:
-  ViewerConnection(transport::Transport stream, ConnectionCount count, Pass pass, ServerContext& context);
+  ViewerConnection(transport::Transport stream, ConnectionCount count, Pass pass, size_t scene, ServerContext& context);
   ~ViewerConnection();
 
   // Takes over the socket and begins the WebSocket handshake. An exception in accept(), leave(), migrate(), check() or
@@ -86,6 +86,7 @@ class ViewerConnection : public std::enable_shared_from_this<ViewerConnection> {
   ServerContext& context_;
   ConnectionCount count_;
   const Pass pass_;
+  const size_t scene_;  // that is shown
   transport::WebSocket stream_;
   std::string peer_;
   std::shared_ptr<SessionActor> actor_;  // The pointer is null until the handshake ends, and once the viewer is gone.
@@ -112,7 +113,7 @@ class ViewerConnection : public std::enable_shared_from_this<ViewerConnection> {
 };
 
 // Makes a ViewerConnection of a socket whose HTTP request asks for WebSocket.
-void acceptViewer(transport::Transport stream, ConnectionCount count, Pass pass, UpgradeRequest request,
+void acceptViewer(transport::Transport stream, ConnectionCount count, Pass pass, size_t scene, UpgradeRequest request,
                   ServerContext& context);
 
 }  // namespace foreland::server

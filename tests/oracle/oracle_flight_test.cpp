@@ -33,6 +33,25 @@ TEST(Flight, KeepsToleranceInEveryFrameWithoutCracksOrExtrapolationErrorOnAKnown
   EXPECT_LE(truth.lod_motion.max_px, 2.0 / 12 * 1.1);  // 2 tau over the frames of 200 ms
 }
 
+TEST(Flight, KeepsTheToleranceOfThePictureWhereHeightsAreTaller) {
+  client::PlayerOptions options = tourOptions(proto::Strategy::kPredict);
+  options.tour = "canyon";
+  options.exaggeration = client::Exaggeration::of(3, options.request.lens);
+  options.request.lens = options.exaggeration.asked;
+  options.request.tau_px = 1 / options.exaggeration.finer;
+  const Flight flight = flown(options);
+  ASSERT_TRUE(flight.status.ok()) << flight.status.error().message;
+  EXPECT_EQ(flight.player.report().frames_outside, 0u);
+  const FlightTruth truth = measured(flight.player);
+  EXPECT_EQ(truth.cracks, 0u) << truth.first_crack;
+  EXPECT_EQ(truth.uncovered_samples, 0u);
+  EXPECT_GT(truth.frames.count, 5u);
+  EXPECT_GT(truth.frames.max_px, 1.1 / options.exaggeration.finer);  // judged in the picture, not as it was asked for
+  EXPECT_EQ(truth.frames_over_tau, 0u) << truth.frames.max_px;
+  EXPECT_EQ(truth.keyframes_over_tau, 0u) << truth.keyframes.max_px;
+  EXPECT_LE(truth.frames.max_px, 1 + kSlack_px);
+}
+
 // A camera that turns by more than its region promises: errors above the tolerance are outside of regions alone.
 TEST(Flight, TellsTheErrorsOfFramesOutsideOfRegionsApart) {
   client::PlayerOptions options = tourOptions(proto::Strategy::kPredict);

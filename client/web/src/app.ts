@@ -190,6 +190,7 @@ export class App {
     this.panel.setScene(scene);
     if (!is_first) return;
     this.hint.show(wordsOnMoving(kIsPhone, scene.frame === 'globe'));
+    void this.tools.cut.read(this.address.cut);
     this.kept_address.begin(queryText(this.addressHere()));
     void takeAddressed(this.files, this.address.tracks, (title, reason) => this.refuseFile(title, reason));
     void this.tools.overlays.open(this.address.overlays);
@@ -322,7 +323,9 @@ export class App {
     if (file) saveFile(file, 'flight.rec');
   }
   private addressHere(): URLSearchParams {
-    return addressHere(this.terrain, this.steering.controls, this.settings, this.tours.current !== null);
+    const query = addressHere(this.terrain, this.steering.controls, this.settings, this.tours.current !== null);
+    if (this.scene) this.tools.cut.write(query);
+    return query;
   }
 
   private applyLook(): void {

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "server/net/http/http_fields.h"
+#include "server/net/http/scene_paths.h"
 
 namespace foreland::server {
 namespace {
@@ -88,6 +89,26 @@ HttpReply fileReply(const StaticFile& file, const HttpRequest& request) {
   return reply;
 }
 
+// What lies beside a scene is found from its own address on alone. Relative, for a proxy may have taken a path off.
+HttpReply sentInto(const std::string& scene, const HttpRequest& request) {
+  HttpReply reply = textReply(308, "This scene is at " + scene + "/");
+  reply.location =
+      scene + "/" + std::string(request.target.substr(std::min(request.target.find('?'), request.target.size())));
+  return reply;
+}
+
+// Of a server with several scenes, what is a scene's own comes before what they share. A scene is not found below
+// another.
+const StaticFile* fileAt(const std::string& path, const std::optional<ScenePath>& in_scene, const HttpSite& site) {
+  if (site.scenes.empty()) return site.files.find(path);
+  if (!in_scene)
+    return path == "/"                    ? site.files.find("/scenes.html")
+           : path.starts_with("/scenes.") ? site.files.find(path)
+                                          : nullptr;
+  if (const StaticFile* own = site.files.find(path)) return own;
+  return scenePathOf(in_scene->rest, site.scenes) ? nullptr : site.files.find(in_scene->rest);
+}
+
 }  // namespace
 
 HttpReply textReply(unsigned status, std::string text) {
@@ -98,7 +119,16 @@ bool isRunByBrowsers(std::string_view content_type) {
   return content_type.starts_with("text/html") || content_type.starts_with("text/javascript");
 }
 
-bool isForViewers(std::string_view target) { return target.substr(0, target.find('?')) == kViewerPath; }
+bool isForViewers(std::string_view target, const HttpSite& site) {
+  const auto path = scenePathOf(target.substr(0, target.find('?')), site.scenes);
+  return path && path->rest == kViewerPath;
+}
+
+std::string noSuchScene(const HttpSite& site) {
+  std::string all;
+  for (const std::string& name : site.scenes) all += (all.empty() ? "/" : ", /") + name + "/";
+  return "There is no such scene here. This server has several, each with a path of its own: " + all;
+}
 
 bool isForOperators(std::string_view target) {
   constexpr std::string_view kPaths[] = {"/livez", "/readyz", "/healthz", "/metrics"};
@@ -121,9 +151,13 @@ HttpReply replyTo(const HttpRequest& request, const HttpSite& site) {
     return reply;
   }
   if (request.lost_its_upgrade) return textReply(426, kLostUpgrade);
-  if (*path == kViewerPath)
+  const auto in_scene = scenePathOf(*path, site.scenes);
+  if (in_scene && !site.scenes.empty() && in_scene->rest.empty())
+    return sentInto(site.scenes[in_scene->scene], request);
+  if (in_scene && in_scene->rest == kViewerPath)
     return textReply(426, "This address speaks WebSocket. Open / in a browser, or use: foreland fly ws://HOST:PORT");
-  if (const StaticFile* file = site.files.find(*path)) return fileReply(*file, request);
+  if (const StaticFile* file = fileAt(*path, in_scene, site)) return fileReply(*file, request);
+  if (!in_scene) return textReply(404, noSuchScene(site));
   if (*path == "/")
     return textReply(404,
                      "The server runs, but it was started without the page (--web). "

@@ -6,6 +6,7 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "server/net/http/static_files.h"
 
@@ -39,6 +40,7 @@ struct HttpReply {
   std::string encoding{};                     // of the body: br, gzip, or empty
   bool varies = false;                        // whether another client may get another encoding
   std::string content_range{};                // of a part of a file
+  std::string location{};                     // where the client is sent on to
   size_t part_begin = 0, part_size = std::string::npos;
   ReadableBy readable_by = ReadableBy::kOwnPage;
 
@@ -68,6 +70,9 @@ struct HttpSite {
   std::function<std::string()> metrics;  // returns the text of /metrics; null: there is no such page
   // Why no further viewer should be sent here, for /readyz; empty if one may. Null: always ready.
   std::function<std::string()> unready{};
+  // The names of its scenes, if it has several (scene_paths.h). Below /NAME/ are then the files of that scene, and else
+  // those of the page; /scenes.html is what / shows.
+  std::vector<std::string> scenes{};
 };
 
 // Answers /livez (the server runs), /readyz and /healthz (503 with the reason if no further viewer should come), and
@@ -75,8 +80,10 @@ struct HttpSite {
 // leaves the body out.
 HttpReply replyTo(const HttpRequest& request, const HttpSite& site);
 
-// Whether `target` is the address of viewers, which a page may also ask by plain HTTP, why its WebSocket does not open.
-bool isForViewers(std::string_view target);
+// Whether `target` is an address of viewers, which a page may also ask by plain HTTP, why its WebSocket does not open.
+bool isForViewers(std::string_view target, const HttpSite& site);
+// Why a WebSocket at an address that is no scene's does not open, with those that are.
+std::string noSuchScene(const HttpSite& site);
 
 // Whether a request for `target` is for one of those four: answered also when the server is full.
 bool isForOperators(std::string_view target);

@@ -30,6 +30,12 @@ class Page {
     head(name, help, "counter");
     for (size_t i = 0; i < names.size(); ++i) write("{}{{{}=\"{}\"}} {}\n", name, label, names[i], values[i].load());
   }
+  template <class Labelled>
+  void gauges(const std::string& name, const char* help, const char* label, const Labelled& values) {
+    if (values.empty()) return;
+    head(name, help, "gauge");
+    for (const auto& [key, value] : values) write("{}{{{}=\"{}\"}} {}\n", name, label, key, value);
+  }
   void info(const std::string& name, const char* help, const char* label, const std::string& value) {
     head(name, help, "gauge");
     write("{}{{{}=\"{}\"}} 1\n", name, label, value);
@@ -61,7 +67,7 @@ class Page {
 };
 
 constexpr std::array<const char*, kRefusals> kRefusalNames = {"full",    "address", "stopping", "origin", "token",
-                                                              "message", "queues",  "unread",   "silent"};
+                                                              "message", "queues",  "unread",   "scene",  "silent"};
 
 void renderViewers(const Metrics& m, Page& page) {
   page.gauge("foreland_connections", "Open sockets.", m.connections.load());
@@ -131,6 +137,7 @@ void renderState(const ServerState& state, Page& page) {
   page.gauge("foreland_worker_threads", "Threads of the pool.", state.threads);
   page.gauge("foreland_pool_load", "Share of these threads' time that was used in the last half second.", state.load);
   page.gauge("foreland_queue_depth", "Jobs released and not yet started.", state.queue_depth);
+  page.gauges("foreland_scene_sessions", "Viewers connected, by scene.", "scene", state.viewers_by_scene);
   if (state.lateness)
     page.histogram("foreland_lateness_seconds", "By how much jobs ended after their deadline.", *state.lateness);
   if (state.coded_pages) renderCodedPages(*state.coded_pages, page);

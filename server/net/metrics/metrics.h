@@ -7,6 +7,8 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "server/net/metrics/process_metrics.h"
 #include "server/sched/histogram.h"
@@ -23,13 +25,14 @@ enum class RefusedFor : uint8_t {
   kMessage,  // what it sent
   kQueues,   // more waited for this server than it takes
   kUnread,   // it read nothing, or too slowly
+  kScene,    // its address is that of no scene
   kSilent,   // it sent nothing for too long, or did not end a message
 };
-inline constexpr size_t kRefusals = 9;
+inline constexpr size_t kRefusals = 10;
 
 // That replies to plain requests may have. Others are counted as the last one.
-inline constexpr std::array kHttpStatuses = {101u, 200u, 206u, 304u, 400u, 401u, 403u,
-                                             404u, 405u, 416u, 426u, 503u, 500u};
+inline constexpr std::array kHttpStatuses = {101u, 200u, 206u, 304u, 308u, 400u, 401u,
+                                             403u, 404u, 405u, 416u, 426u, 503u, 500u};
 
 struct Metrics {
   void count(RefusedFor reason) { ++refusals[static_cast<size_t>(reason)]; }
@@ -82,6 +85,7 @@ struct ServerState {
   size_t queue_depth = 0;
   const Histogram* lateness = nullptr;
   std::optional<CodedPageCounts> coded_pages{};  // of scenes whose pages are coded
+  std::vector<std::pair<std::string, int64_t>> viewers_by_scene{};  // of a server with several scenes
 };
 
 // The text exposition format, version 0.0.4.

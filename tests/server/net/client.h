@@ -142,10 +142,11 @@ class WebSocketClient {
     Bytes bytes() const { return Bytes(payload.begin(), payload.end()); }
   };
 
-  explicit WebSocketClient(uint16_t port, int receive_bytes = 0) : socket_(port, receive_bytes) {
-    socket_.send(
-        "GET /fly HTTP/1.1\r\nHost: test\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
-        "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Version: 13\r\n\r\n");
+  explicit WebSocketClient(uint16_t port, int receive_bytes = 0, const std::string& path = "/fly")
+      : socket_(port, receive_bytes) {
+    socket_.send("GET " + path +
+                 " HTTP/1.1\r\nHost: test\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
+                 "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Version: 13\r\n\r\n");
     while (!reply_.ends_with("\r\n\r\n")) {
       const auto next = socket_.receive(1);
       if (!next) break;

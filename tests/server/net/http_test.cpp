@@ -53,6 +53,40 @@ TEST_F(Site, IsNotReadyForTheReasonThatItIsGiven) {
   EXPECT_EQ(replyTo({.method = "GET", .target = "/livez", .if_none_match = {}}, site).status, 200u);
 }
 
+TEST_F(Site, OfSeveralScenesHasThePageAtEachOfThem) {
+  site_.files.add("/scenes.html", "the list");
+  site_.files.add("/hills/models/0.rgba", "hills");
+  site_.files.add("/alps/models/0.rgba", "alps");
+  site_.scenes = {"hills", "alps"};
+  EXPECT_EQ(get("/").content(), "the list");
+  for (const std::string name : {"hills", "alps"}) {
+    EXPECT_EQ(get("/" + name + "/").content(), "<html>");
+    EXPECT_EQ(get("/" + name + "/index.html?view=1").content(), "<html>");
+    EXPECT_EQ(get("/" + name + "/assets/core-1234.wasm").status, 200u);
+    EXPECT_EQ(get("/" + name + "/models/0.rgba").content(), name);
+    EXPECT_EQ(get("/" + name + "/fly").status, 426u);
+    EXPECT_TRUE(isForViewers("/" + name + "/fly?token=1", site_));
+    EXPECT_FALSE(isForViewers("/" + name + "/", site_));
+    // Relative, so that it holds below a path that a proxy takes off.
+    EXPECT_EQ(get("/" + name + "?view=1").status, 308u);
+    EXPECT_EQ(get("/" + name + "?view=1").location, name + "/?view=1");
+  }
+  EXPECT_FALSE(isForViewers("/fly", site_));
+}
+
+TEST_F(Site, OfSeveralScenesHasNothingBesideThem) {
+  site_.files.add("/scenes.html", "the list");
+  site_.files.add("/alps/models/0.rgba", "alps");
+  site_.scenes = {"hills", "alps"};
+  for (const char* target :
+       {"/index.html", "/assets/core-1234.wasm", "/fly", "/hill/", "/hills/alps/models/0.rgba", "/hills/models/0.rgba",
+        "/hills/../alps/models/0.rgba", "/hills/alps/", "/%2e%2e/", "/hills//"})
+    EXPECT_EQ(get(target).status, 404u) << target;
+  const std::string told(get("/zugspitze/").content());
+  EXPECT_NE(told.find("/hills/, /alps/"), std::string::npos) << told;
+  for (const char* target : {"/livez", "/readyz", "/metrics"}) EXPECT_EQ(get(target).status, 200u) << target;
+}
+
 TEST_F(Site, NoTargetReachesTheSecret) {
   for (const char* target :
        {"/../secret.txt", "/%2e%2e/secret.txt", "/..%2fsecret.txt", "/assets/../../secret.txt", "//secret.txt",

@@ -67,8 +67,9 @@ inline proto::Pose poseAt(Time now) {
 // A real client over a real socket.
 class LiveViewer {
  public:
-  explicit LiveViewer(uint16_t port, const proto::ViewRequest& request = requestView())
-      : socket_(port), viewer_(request, client::Blend::kKeyframe, Duration::milliseconds(10)) {
+  explicit LiveViewer(uint16_t port, const proto::ViewRequest& request = requestView(),
+                      const std::string& path = "/fly")
+      : socket_(port, 0, path), viewer_(request, client::Blend::kKeyframe, Duration::milliseconds(10)) {
     viewer_.leaveMeshesEmpty();
   }
 
@@ -88,6 +89,7 @@ class LiveViewer {
     return status.ok();
   }
   uint32_t keyframes() const { return viewer_.statistics().keyframes; }
+  const client::Viewer& viewer() const { return viewer_; }
   WebSocketClient& socket() { return socket_; }
   int closeCode() const { return close_code_; }
 

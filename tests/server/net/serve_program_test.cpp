@@ -211,20 +211,61 @@ TEST_F(ServeProgram, RefusesAddressesAndPagesThatWillNotDo) {
   expectRefusal(arguments({"--metrics-listen", "127.0.0.1:" + port}), {port, "--metrics-listen"});
 }
 
+TEST_F(ServeProgram, ShowsSeveralScenesOnOnePage) {
+  FormulaSource source(65, 33, hills(2));
+  ASSERT_TRUE(terrain::buildScene(source, {folder_ / "alps.fls", 0.1, 1}).ok());
+  std::ofstream(folder_ / "hut.geojson") << R"({"type":"Point","coordinates":[8,46]})";
+  Program server("serve", arguments({folder_ / "alps.fls", "--overlay", folder_ / "hut.geojson"}));
+  const std::string line = server.readLine();
+  ASSERT_TRUE(line.starts_with("serving 2 scenes (scene, alps) at http://")) << line;
+  const uint16_t port = portOf(line);
+  const std::string list = httpGet(port, "/");
+  for (const std::string name : {"scene", "alps"}) {
+    EXPECT_NE(list.find("href=\"" + name + "/\""), std::string::npos) << list;
+    EXPECT_NE(list.find("src=\"" + name + "/picture.png\""), std::string::npos) << list;
+    const std::string picture = httpGet(port, "/" + name + "/picture.png");
+    EXPECT_NE(picture.find("image/png"), std::string::npos);
+    EXPECT_NE(picture.find("\x89PNG"), std::string::npos);
+    EXPECT_NE(httpGet(port, "/" + name + "/overlays/list.json").find("hut.geojson"), std::string::npos);
+    EXPECT_NE(httpGet(port, "/" + name + "/").find("<html>"), std::string::npos);
+    EXPECT_TRUE(WebSocketClient(port, 0, "/" + name + "/fly").isOpen());
+  }
+  EXPECT_TRUE(httpGet(port, "/alp/").starts_with("HTTP/1.1 404"));
+}
+
+TEST_F(ServeProgram, RefusesScenesThatCannotBeToldApart) {
+  const auto expectBoth = [&](const fs::path& second, const std::vector<std::string>& words) {
+    expectRefusal(arguments({second}), words);
+  };
+  fs::create_directory(folder_ / "other");
+  fs::copy_file(folder_ / "scene.fls", folder_ / "other/scene.fls");
+  fs::copy_file(folder_ / "scene.fls", folder_ / "copy.fls");
+  fs::copy_file(folder_ / "scene.fls", folder_ / "my scene.fls");
+  fs::copy_file(folder_ / "scene.fls", folder_ / "metrics.fls");
+  expectBoth(folder_ / "other/scene.fls", {"'/scene/'", "another scene", "rename"});
+  expectBoth(folder_ / "copy.fls", {"'scene' and 'copy' are the same scene"});
+  expectBoth(folder_ / "my scene.fls", {"'/my scene/'", "letters, digits"});
+  expectBoth(folder_ / "metrics.fls", {"'/metrics/'", "itself"});
+  expectBoth(folder_ / "nothing.fls", {"nothing.fls"});
+}
+
 TEST_F(ServeProgram, GivesOverlaysToPages) {
   const std::string text = R"({"type":"Point","coordinates":[8,46]})";
   std::ofstream(folder_ / "a \"hut\".geojson") << text;
   std::ofstream(folder_ / "track.GPX") << "\xef\xbb\xbf <gpx/>";
-  Program server("serve", arguments({"--overlay", folder_ / "a \"hut\".geojson", "--overlay", folder_ / "track.GPX"}));
+  std::ofstream(folder_ / "names.csv") << "name,lon,lat\nHut,8,46\n";
+  Program server("serve", arguments({"--overlay", folder_ / "a \"hut\".geojson", "--overlay", folder_ / "track.GPX",
+                                     "--overlay", folder_ / "names.csv"}));
   const uint16_t port = portOf(server.readLine());
   const std::string list = httpGet(port, "/overlays/list.json");
-  EXPECT_TRUE(
-      list.ends_with(R"([{"name":"a \"hut\".geojson","path":"0.geojson"},{"name":"track.GPX","path":"1.gpx"}])"))
+  EXPECT_TRUE(list.ends_with(
+      R"([{"name":"a \"hut\".geojson","path":"0.geojson"},{"name":"track.GPX","path":"1.gpx"},{"name":"names.csv","path":"2.csv"}])"))
       << list;
   const std::string first = httpGet(port, "/overlays/0.geojson");
   EXPECT_TRUE(first.ends_with(text)) << first;
   EXPECT_NE(first.find("application/octet-stream"), std::string::npos) << first;  // nothing that a browser shows
   EXPECT_NE(httpGet(port, "/overlays/1.gpx").find("<gpx/>"), std::string::npos);
+  EXPECT_NE(httpGet(port, "/overlays/2.csv").find("Hut,8,46"), std::string::npos);
   Program without("serve", arguments());
   EXPECT_TRUE(httpGet(portOf(without.readLine()), "/overlays/list.json").ends_with("[]"));
 }
@@ -239,6 +280,8 @@ TEST_F(ServeProgram, RefusesOverlaysThatWillNotDo) {
   expectRefusal(arguments({"--overlay", folder_ / "a.shp"}), {"a.shp", "ogr2ogr -f GeoJSON"});
   expectRefusal(arguments({"--overlay", folder_ / "a.kml"}), {"a.kml", "begins with <"});
   expectRefusal(arguments({"--overlay", folder_ / "empty.gpx"}), {"empty.gpx", "begins with <"});
+  std::ofstream(folder_ / "empty.csv") << " \n";
+  expectRefusal(arguments({"--overlay", folder_ / "empty.csv"}), {"empty.csv", "it is empty"});
   expectRefusal(arguments({"--overlay", folder_ / "huge.geojson"}), {"huge.geojson", "64 MiB", "-simplify"});
 }
 

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <atomic>
 #include <fstream>
 #include <memory>
@@ -45,6 +46,41 @@ TEST(Server, AnswersPlainRequests) {
   EXPECT_TRUE(httpGet(server->port(), "/fly").starts_with("HTTP/1.1 426"));
   EXPECT_TRUE(httpGet(server->port(), "/../etc/passwd").starts_with("HTTP/1.1 404"));
   EXPECT_EQ(metric(server->port(), "sessions"), 0);
+}
+
+// Each viewer is shown the scene at whose path it connects.
+TEST(Server, ShowsEachOfSeveralScenesAtItsPath) {
+  auto listening = Server::listen(std::vector<ServedScene>{{"hills", hillWorld()}, {"rough", roughWorld()}},
+                                  testOptions(), test::steadyNow);
+  ASSERT_TRUE(listening.ok()) << listening.error().message;
+  const uint16_t port = (*listening)->port();
+  std::vector<std::unique_ptr<LiveViewer>> viewers;
+  for (const char* path : {"/hills/fly", "/rough/", "/rough"})
+    viewers.push_back(std::make_unique<LiveViewer>(port, requestView(), path));
+  ASSERT_TRUE(eventually([&] {
+    return std::ranges::all_of(viewers,
+                               [](const auto& viewer) { return viewer->advance() && viewer->keyframes() > 1; });
+  }));
+  EXPECT_EQ(viewers[0]->viewer().welcome()->scene_id, hillWorld()->hierarchy.scene().id());
+  for (size_t i : {1u, 2u}) EXPECT_EQ(viewers[i]->viewer().welcome()->scene_id, roughWorld()->hierarchy.scene().id());
+  EXPECT_EQ(metric(port, "sessions"), 3);
+  EXPECT_EQ(metric(port, "scene_sessions{scene=\"hills\"}"), 1);
+  EXPECT_EQ(metric(port, "scene_sessions{scene=\"rough\"}"), 2);
+  for (const char* path : {"/fly", "/", "/alps/fly", "/hills/flyx", "/hills/../rough/fly"}) {
+    WebSocketClient lost(port, 0, path);
+    EXPECT_FALSE(lost.isOpen()) << path;
+    EXPECT_TRUE(lost.reply().starts_with("HTTP/1.1 404")) << lost.reply();
+  }
+  viewers.pop_back();
+  EXPECT_TRUE(eventually([&] { return metric(port, "scene_sessions{scene=\"rough\"}") == 1; }));
+  EXPECT_EQ(metric(port, "scene_sessions{scene=\"hills\"}"), 1);
+}
+
+TEST(Server, WithOneSceneNamesNone) {
+  const auto server = serve(testOptions());
+  LiveViewer viewer(server->port(), requestView(), "/whatever/path");
+  EXPECT_TRUE(eventually([&] { return viewer.advance() && viewer.keyframes() > 0; }));
+  EXPECT_EQ(httpGet(server->port(), "/metrics").find("scene_sessions"), std::string::npos);
 }
 
 TEST(Server, EveryReplyTellsBrowsersItsRules) {

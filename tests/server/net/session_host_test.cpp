@@ -81,7 +81,8 @@ class Host : public testing::Test {
  protected:
   size_t open(const HostLimits& limits = {}) {
     if (!host_)
-      host_ = std::make_unique<SessionHost>(hillWorld(), SessionOptions{}, limits, pool_, steadyNow, metrics_);
+      host_ =
+          std::make_unique<SessionHost>(std::vector{hillWorld()}, SessionOptions{}, limits, pool_, steadyNow, metrics_);
     const size_t index = viewers_.size();
     Outlet outlet;
     outlet.send = [this, index](std::vector<Bytes> batch) { mailbox_.put({index, std::move(batch), {}}); };

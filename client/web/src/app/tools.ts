@@ -1,5 +1,6 @@
 // What is done by hand beside flying: each tool has its button, its keys and its card.
 import type { Controls } from '../ui/controls';
+import { CutControl } from '../ui/cut_control';
 import { FollowControl } from '../ui/follow_control';
 import { LabelControl } from '../ui/label_control';
 import { MeasureControl } from '../ui/measure_control';
@@ -27,6 +28,7 @@ export interface ToolPage {
 export class Tools {
   readonly sight: SightControl;
   readonly measure: MeasureControl;
+  readonly cut: CutControl;
   readonly labels: LabelControl;
   readonly overlays: OverlayControl;
   readonly follow: FollowControl;
@@ -36,7 +38,8 @@ export class Tools {
   constructor(byId: (id: string) => HTMLElement, page: ToolPage) {
     const { stage, controls } = page, bar = byId('tools');
     this.sight = new SightControl(stage);
-    this.measure = new MeasureControl(bar, byId('measure'), stage);
+    this.measure = new MeasureControl(bar, byId('measure'), stage, (corners) => void this.cut.cutAlong(corners));
+    this.cut = new CutControl(bar, byId('cut'), stage);
     this.labels = new LabelControl(stage);
     this.overlays = new OverlayControl(byId('overlays'), byId('feature'), { ...stage, isTaken: () => this.measure.isOn, refuse: (reason) => page.refuse(kNotLaid, reason) }, this.labels);
     this.follow = new FollowControl(byId('follow'), stage, () => page.guide(), () => this.record.refresh());
@@ -51,13 +54,14 @@ export class Tools {
   show(): void {
     this.sight.show();
     this.measure.show();
+    this.cut.show();
     this.follow.show();
     this.overlays.showAgain();
   }
 
   status(): Record<string, unknown> {
-    const { sight, measure, labels, overlays, follow, waypoints, record } = this;
-    return Object.assign({}, ...[sight, measure, labels, overlays, follow, waypoints, record].map((tool) => tool.status()));
+    const { sight, measure, cut, labels, overlays, follow, waypoints, record } = this;
+    return Object.assign({}, ...[sight, measure, cut, labels, overlays, follow, waypoints, record].map((tool) => tool.status()));
   }
 }
 

@@ -3,6 +3,7 @@ import type { Frame, Place, Pose, Scene, Terrain, Vector } from '@foreland/clien
 import { ForelandTerrain } from '@foreland/client/three';
 import * as THREE from 'three';
 import { kLens, type Settings } from '../ui/settings';
+import { CutView } from './cut_view';
 import { askedLens, askedPose, shownPose } from './exaggeration';
 import type { Air } from './air';
 import { DeepCanvas } from './deep_canvas';
@@ -40,6 +41,7 @@ export class Picture {
   readonly overlay_drape = new OverlayDrape();
   readonly overlay_marks = new OverlayMarks();
   readonly name_texts = new NameTexts();
+  readonly cut_view = new CutView();
   readonly up = new THREE.Vector3(0, 0, 1); // at the camera's eye
   ground: ForelandTerrain | null = null;
   private readonly sun = new THREE.Vector3(); // towards it
@@ -62,21 +64,23 @@ export class Picture {
   constructor(private readonly canvas: HTMLCanvasElement, private readonly anisotropy: number | null) {
     this.renderer = new THREE.WebGLRenderer({ canvas, antialias: true, powerPreference: 'high-performance' });
     this.renderer.autoClear = false;
-    this.scene.add(this.sky.object, this.frozen_view.object, this.sight_lines.object, this.measure_line.object, this.overlay_marks.object, this.name_texts.object,
+    this.scene.add(this.sky.object, this.frozen_view.object, this.sight_lines.object, this.measure_line.object, this.overlay_marks.object, this.name_texts.object, this.cut_view.object,
       this.flight_marks.lines, this.flight_marks.aircraft);
   }
 
   // Shows a terrain; once.
   show(terrain: Terrain): void {
     this.ground = new ForelandTerrain(terrain, {
-      renderer: this.renderer, size: this.told_size, materials: pageMaterials(this.haze, { ...this.viewshed_drape.uniforms, ...this.overlay_drape.uniforms }), ...(this.anisotropy === null ? {} : { anisotropy: this.anisotropy }),
+      renderer: this.renderer, size: this.told_size, materials: pageMaterials(this.haze, { ...this.viewshed_drape.uniforms, ...this.overlay_drape.uniforms }, this.cut_view), ...(this.anisotropy === null ? {} : { anisotropy: this.anisotropy }),
     });
     this.scene.add(this.ground);
+    this.cut_view.begin({ ...this.ground.uniforms, ...this.haze });
   }
   dispose(): void {
     this.ground?.dispose();
     this.overlay_drape.dispose();
     this.overlay_marks.dispose();
+    this.cut_view.dispose();
     this.name_texts.clear();
     this.deep?.dispose();
     this.air?.dispose();
@@ -218,6 +222,7 @@ export class Picture {
     const pivot = ground!.uniforms.u_pivot!.value as THREE.Vector2;
     this.viewshed_drape.place(pivot);
     this.overlay_drape.place(pivot);
+    this.cut_view.place(pivot, camera.position);
     this.name_texts.place(camera, this.canvas.clientHeight);
     const draw = () => this.flight_marks.draw(this.renderer, this.scene, camera);
     if (this.deep) this.deep.draw(draw);

@@ -3,6 +3,9 @@
 import { glsl } from '@foreland/client/three';
 import * as THREE from 'three';
 import atmosphere from './shaders/atmosphere.glsl?raw';
+import cut from './shaders/cut.glsl?raw';
+import cutWallFrag from './shaders/cut_wall.frag.glsl?raw';
+import cutWallVert from './shaders/cut_wall.vert.glsl?raw';
 import head from './shaders/head.glsl?raw';
 import light from './shaders/light.glsl?raw';
 import markFrag from './shaders/mark.frag.glsl?raw';
@@ -23,15 +26,17 @@ import wireVert from './shaders/wire.vert.glsl?raw';
 const { common, ground, groundVertex, interpolation, tiles } = glsl;
 
 export const kTerrainVertex = head + interpolation + groundVertex + terrainVert;
-export const kTerrainFragment = head + common + atmosphere + light + tiles + ground + viewshed + overlay + terrainFrag;
+export const kTerrainFragment = head + common + atmosphere + light + tiles + ground + viewshed + overlay + cut + terrainFrag;
 export const kProbeVertex = head + probeVert;
 export const kProbeFragment = head + common + atmosphere + light.replace('in vec3 v_from_eye;', 'const vec3 v_from_eye = vec3(0.0);') + tiles + probeFrag;
 export const kObjectVertex = head + interpolation + objectVert;
-export const kObjectFragment = head + common + atmosphere + light + objectFrag;
+export const kObjectFragment = head + common + atmosphere + light + cut + objectFrag;
 export const kMarkVertex = head + markVert;
 export const kMarkFragment = head + markFrag;
 export const kWireVertex = head + interpolation + wireVert;
-export const kWireFragment = head + wireFrag;
+export const kWireFragment = head + cut + wireFrag;
+export const kCutWallVertex = head + cutWallVert;
+export const kCutWallFragment = head + common + atmosphere + light + cutWallFrag;
 export const kSkyVertex = head + skyVert;
 export const kSkyFragment = head + common + atmosphere + skyFrag;
 

@@ -7,6 +7,11 @@ export type Language = (typeof kLanguages)[number];
 // No longer than the English ones by much: the smallest screens have no room.
 const kTable: Record<string, readonly [de: string, fr: string, es: string]> = {
   'Measure': ['Messen', 'Mesure', 'Medir'],
+  'Cut': ['Schnitt', 'Coupe', 'Corte'],
+  'Across the view': ['Quer zum Blick', 'En travers de la vue', 'A trav\u00e9s de la vista'],
+  'Other side': ['Andere Seite', 'Autre c\u00f4t\u00e9', 'Otro lado'],
+  'Close': ['Schlie\u00dfen', 'Fermer', 'Cerrar'],
+  'Or measure a line or an area, and cut along it.': ['Oder eine Linie oder Fl\u00e4che messen und daran entlang schneiden.', 'Ou mesurer une ligne ou une surface, et couper le long.', 'O medir una l\u00ednea o un \u00e1rea, y cortar por ella.'],
   'Path': ['Weg', 'Trajet', 'Ruta'],
   'Record': ['Film', 'Film', 'Grabar'],
   'Share': ['Teilen', 'Lien', 'Enlace'],

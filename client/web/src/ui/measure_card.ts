@@ -9,6 +9,7 @@ import { isRemembered, remember } from './remembered';
 export interface MeasureCardActions {
   point(index: number | null): void; // a place of the profile
   save(kind: 'csv' | 'geojson'): void;
+  cut(): void; // along it
   clear(): void;
   close(): void;
 }
@@ -17,7 +18,7 @@ export class MeasureCard {
   private readonly rows = document.createElement('dl');
   private readonly how = Object.assign(document.createElement('p'), { className: 'help' });
   private readonly plot: ProfilePlot;
-  private readonly buttons: Record<'csv' | 'geojson' | 'clear', HTMLButtonElement>;
+  private readonly buttons: Record<'csv' | 'geojson' | 'cut' | 'clear', HTMLButtonElement>;
   private readonly unit_button: HTMLButtonElement;
   private units: Units = isRemembered('imperial') ? 'imperial' : 'metric';
   private shown: Measurement | null = null;
@@ -29,6 +30,7 @@ export class MeasureCard {
     this.buttons = {
       csv: buttonOf('CSV', 'measure_csv', () => actions.save('csv')),
       geojson: buttonOf('GeoJSON', 'measure_geojson', () => actions.save('geojson')),
+      cut: buttonOf('Cut', 'measure_cut', () => actions.cut()),
       clear: buttonOf('Clear', 'measure_clear', () => actions.clear()),
     };
     const header = document.createElement('header'), footer = document.createElement('footer');
@@ -53,7 +55,7 @@ export class MeasureCard {
       Object.assign(document.createElement('dt'), { textContent: name }), Object.assign(document.createElement('dd'), { textContent: said(text) })]));
     this.plot.show(measurement?.profile ?? null, this.units);
     for (const button of Object.values(this.buttons)) button.disabled = count === 0;
-    this.buttons.csv.disabled = !measurement?.profile;
+    this.buttons.csv.disabled = this.buttons.cut.disabled = !measurement?.profile;
     this.unit_button.textContent = this.units === 'metric' ? 'm' : 'ft';
     this.unit_button.ariaLabel = `Units: ${this.units}`;
   }

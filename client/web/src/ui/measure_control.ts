@@ -20,14 +20,14 @@ export class MeasureControl {
   private readonly card: MeasureCard;
   private readonly button: HTMLButtonElement;
 
-  constructor(tools: HTMLElement, card: HTMLElement, private readonly stage: Stage) {
+  constructor(tools: HTMLElement, card: HTMLElement, private readonly stage: Stage, cutAlong: (corners: readonly MapPoint[]) => void) {
     this.button = Object.assign(document.createElement('button'), { type: 'button' as const, textContent: said('Measure'), title: 'Points, lines and areas on the exact ground (M)' });
     this.button.onclick = () => this.turn(!this.is_on);
     this.button.setAttribute('aria-pressed', 'false');
     tools.append(this.button);
     this.card = new MeasureCard(card, {
       point: (index) => this.stage.picture().measure_line.point(index === null ? null : this.line[index] ?? null),
-      save: (kind) => this.save(kind), clear: () => this.change([]), close: () => this.turn(false),
+      save: (kind) => this.save(kind), cut: () => cutAlong(this.measured?.corners ?? []), clear: () => this.change([]), close: () => this.turn(false),
     });
     onClicks(stage, (event) => this.click(event));
     window.addEventListener('keydown', (event) => this.key(event));

@@ -40,6 +40,7 @@ export interface Address {
   view: number[] | null; // x, y, z in metres, heading, pitch in degrees
   at: PlaceView | null; // the same of a scene on the earth
   tells_clock: boolean; // the day or the hour of the sun
+  cut: string | null; // as CutControl writes it
   overlays: string[]; // addresses of files that lie on the ground
   anisotropy: number | null; // of pictures; null: what the graphics card does cheaply
   sharpness: number; // most device pixels per page pixel
@@ -136,6 +137,7 @@ export function readAddress(location: Location, server: string): Address {
     view: view?.length === 5 && view.every(Number.isFinite) ? view : null,
     at: readAt(query.get('at')),
     tells_clock: query.has('day') || query.has('hour'),
+    cut: query.get('cut'),
     overlays: query.getAll('overlay').slice(0, kMaxOverlays),
     anisotropy: query.has('anisotropy') ? numberIn(query, 'anisotropy', 1, 16, 1) : null,
     sharpness: numberIn(query, 'sharpness', 0.25, 3, 2),

@@ -2,6 +2,9 @@ out vec4 o_colour;
 uniform float u_pixel_rad;  // how much a pixel sees
 uniform float u_exaggeration;  // of heights
 void main() {
+#ifdef CUT
+  if (isCutAway(u_cut, v_lattice)) discard;
+#endif
   float distance_m = length(v_from_eye);
   vec3 direction = v_from_eye / distance_m;
   vec2 dx = dFdx(v_lattice), dy = dFdy(v_lattice);
