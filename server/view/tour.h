@@ -5,7 +5,8 @@
 //   spin    in place, 90 degrees a second
 //   orbit   around the highest summit near the middle, looking at it
 // On scenes that are too small for these distances, all of them shrink alike; where samples are more than 100 m apart
-// they grow alike. The eye stays above the ground. Pure functions; any thread. Cost: milliseconds.
+// they grow alike. Over globes they are others, and there are more (globe_tour.h). The eye stays above the ground. Pure
+// functions; any thread. Cost: milliseconds.
 #pragma once
 
 #include <string>
@@ -16,8 +17,8 @@
 
 namespace foreland::server {
 
-// Whether there is a tour of that name; the Error lists the tours.
-Status checkTour(const std::string& name);
+// Whether there is a tour of that name over the scene; the Error lists the tours.
+Status checkTour(const terrain::Scene& scene, const std::string& name);
 
 // A path that lasts `seconds` (1 to 3600), starts at time 0 and has steps of 100 ms. The Error for an unknown name
 // lists the tours.
