@@ -60,7 +60,7 @@ Status checkTrack(const Track& track, const proto::FrameTransform& frame, const 
   if (!track.cameras.empty() && is_globe)
     return Error{ErrorCode::kUnsupported,
                  "a camera over another model is laid on a plane, and this scene is a globe: fly a recorded track of "
-                 "latitudes and longitudes, or a tour (--tour)"};
+                 "latitudes and longitudes, or a tour"};
   if (!track.cameras.empty()) return {};
   if (!frame.frame().isOnEllipsoid())
     return Error{
