@@ -16,7 +16,7 @@
 namespace foreland::server {
 namespace {
 
-constexpr std::array<const char*, 10> kTours{
+constexpr std::array<const char*, 10> kGlobeTours{
     "survey", "canyon",       "spin",   "orbit",  "descent", "descent:46.2,-122.19",
     "pole",   "antimeridian", "corner", "equator"};
 
@@ -29,7 +29,7 @@ glm::dvec3 randomDirection(Rng& rng) {
 TEST(GlobeTour, StaysAboveTheGround) {
   for (const uint32_t sparse_levels : {0u, 5u}) {
     const auto scene = test::makeGlobeScene(7, 11, sparse_levels);
-    for (const char* name : kTours) {
+    for (const char* name : kGlobeTours) {
       const auto path = planTour(*scene, name, 60);
       ASSERT_TRUE(path.ok()) << name;
       ASSERT_TRUE(path->validate().ok()) << name;
