@@ -48,7 +48,8 @@ struct Replica::Drawn {
 
 Replica::Replica(const proto::Welcome& welcome)
     : domain_(std::make_unique<proto::TerrainDomain>(std::move(proto::GridTopology::create(welcome.shape)).value(),
-                                                     welcome.frame)),
+                                                     welcome.frame, proto::ErrorBound::kSpheroid,
+                                                     welcome.highest * welcome.frame.height_quantum_m)),
       corner_heights_(std::make_unique<std::vector<int32_t>>(welcome.corner_heights)),
       centre_heights_(std::make_unique<std::vector<int32_t>>(welcome.centre_heights)),
       adapter_(*domain_),

@@ -11,6 +11,7 @@
 #include "apps/options/keyframe_option.h"
 #include "apps/options/lens_option.h"
 #include "apps/options/options.h"
+#include "apps/options/tour_option.h"
 #include "proto/message/keyframe_interval.h"
 
 namespace foreland::apps {
@@ -68,9 +69,11 @@ void addCamera(CLI::App& app, FlyOptions& o) {
   CLI::Option* track =
       add("--track", o.track, "fly this recorded track: an IGC, GPX, KML or GeoJSON file, or camera frames")
           ->type_name(file("FILE"));
-  add("--tour", o.tour, "fly a built-in tour: survey (the default), canyon, spin, orbit; or jumps, from view to view")
+  add("--tour", o.tour,
+      "fly a built-in tour: survey (the default), canyon, spin, orbit; over a globe also descent (or "
+      "descent:LAT,LON), pole, antimeridian, corner, equator; or jumps, from view to view")
       ->type_name(text("NAME"))
-      ->check(oneOf({"survey", "canyon", "spin", "orbit", "jumps"}))
+      ->check(tourName({"jumps"}))
       ->excludes(track);
   add("--seconds", o.seconds, "length of the flight; by default 60 for tours, the whole track")
       ->type_name(number("S"))

@@ -9,6 +9,7 @@
 #include "apps/options/lens_option.h"
 #include "apps/options/options.h"
 #include "apps/options/output_file.h"
+#include "apps/options/tour_option.h"
 
 namespace foreland::apps {
 
@@ -81,7 +82,7 @@ void addPlaces(CLI::App& app, RenderOptions& o) {
           ->excludes(pose);
   CLI::Option* tour = add("--tour", o.tour, "pictures along a built-in tour")
                           ->type_name(text("NAME"))
-                          ->check(oneOf({"survey", "canyon", "spin", "orbit"}))
+                          ->check(tourName())
                           ->excludes(pose)
                           ->excludes(track);
   add("--every", o.every_s, "seconds between the pictures of a track or tour")

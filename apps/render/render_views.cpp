@@ -58,8 +58,9 @@ Result<proto::Pose> parsePose(const std::string& text, const terrain::Scene& sce
 Result<proto::Path> trackPath(const RenderOptions& o, const client::Track& track, const terrain::Scene& scene,
                               std::vector<std::string>& notes) {
   const proto::FrameTransform transform(scene.frame());
-  const Result<client::PlannedTrack> plan = client::planTrack(track, transform, scene.grid().shape(), o.track_options);
+  Result<client::PlannedTrack> plan = client::planTrack(track, transform, scene.grid().shape(), o.track_options);
   if (!plan.ok()) return plan.error();
+  plan->undulations_m = server::seaAboveZero(scene, plan->positions);
   std::vector<float> ground_m;
   for (const glm::dvec2& place : plan->positions)
     ground_m.push_back(static_cast<float>(server::groundHeight(scene, place.x, place.y).value_or(0)));

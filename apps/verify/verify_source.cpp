@@ -8,6 +8,7 @@
 #include <memory>
 #include <utility>
 
+#include "apps/verify/verify_globe.h"
 #include "terrain/dem/compare_source.h"
 #include "terrain/dem/vertical/height_reference.h"
 #include "terrain/store/scene.h"
@@ -78,6 +79,7 @@ Result<uint64_t> verifySources(const std::string& path, const std::vector<std::s
   const auto scene = terrain::Scene::open(path);
   if (!scene.ok()) return scene.error();
   const terrain::Scene& s = **scene;
+  if (s.grid().isCube() && !sources.empty()) return verifyGlobeSources(s, sources, foreign);
   const proto::GridShape& shape = s.grid().shape();
   const double quantum_m = s.frame().height_quantum_m;
   const terrain::LatticeHeights heights{

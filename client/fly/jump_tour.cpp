@@ -62,22 +62,13 @@ double secondsOf(Duration t) { return t.toSeconds(); }
 
 }  // namespace
 
-glm::dvec2 JumpTour::latticeOf(const glm::dvec2& p) const {
-  const proto::LatticePosition position = frame_.toLattice({p, 0});
-  return {position.x, position.y};
-}
-
-Result<JumpTour> JumpTour::plan(const proto::FrameTransform& frame, const proto::GridShape& shape, double seconds) {
-  if (frame.frame().kind == proto::FrameKind::kGlobe)
-    return Error{ErrorCode::kUnsupported, "the tour 'jumps' is not planned over globes; choose another tour"};
-  JumpTour tour(frame);
-  const Rectangle data = rectangleOf(frame, shape);
+void JumpTour::jumpOverData(const proto::GridShape& shape, size_t wanted) {
+  const Rectangle data = rectangleOf(frame_, shape);
   const std::vector<Kind> kinds = kindsFor(data);
   glm::dvec2 at = data.low + 0.3 * (data.high - data.low);
   double heading = 0.4;
-  const auto wanted = static_cast<size_t>(std::ceil(std::max(1.0, seconds) / secondsOf(kEvery)));
-  tour.views_.push_back({"", glm::dvec3(at, 0), heading});
-  for (size_t i = 0, skipped = 0; tour.views_.size() < std::max<size_t>(wanted, 2) && skipped < kinds.size(); ++i) {
+  views_.push_back({"", glm::dvec3(at, 0), heading});
+  for (size_t i = 0, skipped = 0; views_.size() < wanted && skipped < kinds.size(); ++i) {
     const Kind& kind = kinds[i % kinds.size()];
     const auto next = jumpFrom(data, at, kind.distance_m);
     if (!next) {
@@ -87,16 +78,49 @@ Result<JumpTour> JumpTour::plan(const proto::FrameTransform& frame, const proto:
     skipped = 0;
     at = *next;
     heading += kTurn_rad;
-    tour.views_.push_back({kind.name, glm::dvec3(at, 0), heading});
+    views_.push_back({kind.name, glm::dvec3(at, 0), heading});
   }
-  if (tour.views_.size() < 2)
-    return Error{ErrorCode::kUnsupported, "the scene is too small for the tour 'jumps'; choose another tour"};
-  for (const View& view : tour.views_)
+}
+
+JumpTour::View JumpTour::viewOverGlobe(std::string kind, const glm::dvec3& n, double heading_rad) const {
+  const glm::dvec3 aside = glm::cross(glm::dvec3(0, 0, 1), n), east = glm::normalize(aside);
+  return {std::move(kind), frame_.spheroid().position(n, 0), heading_rad, east, glm::cross(n, east), n};
+}
+
+void JumpTour::jumpOverGlobe(size_t wanted) {
+  const double radius = frame_.frame().semi_major_m;
+  std::vector<Kind> kinds;
+  for (const double km : {1.0, 3.0, 12.0, 48.0, 1000.0})
+    if (1000 * km < 0.75 * radius) kinds.push_back({std::to_string(int(km)) + " km", 1000 * km});
+  kinds.push_back({"the other side", 0.9 * kPi * radius});
+  views_.push_back(viewOverGlobe("", glm::normalize(glm::dvec3(0.70, 0.12, 0.71)), 0.4));
+  for (size_t i = 0; views_.size() < wanted; ++i) {
+    const View& last = views_.back();
+    const double angle = kinds[i % kinds.size()].distance_m / radius;
+    const glm::dvec3 n = glm::normalize(std::cos(angle) * last.up + std::sin(angle) * last.along());
+    views_.push_back(viewOverGlobe(kinds[i % kinds.size()].name, n, last.heading_rad + kTurn_rad));
+  }
+}
+
+void JumpTour::placeSamples() {
+  for (const View& view : views_)
     for (size_t k = 0; k < kSamples; ++k) {
       const double way = kSpeed_mps * secondsOf(kEvery) * static_cast<double>(k) / (kSamples - 1);
-      tour.positions_.push_back(tour.latticeOf(
-          glm::dvec2(view.eye) + way * glm::dvec2(std::cos(view.heading_rad), std::sin(view.heading_rad))));
+      const proto::LatticePosition at = frame_.toLattice(view.eye + way * view.along());
+      positions_.emplace_back(at.x, at.y);
     }
+}
+
+Result<JumpTour> JumpTour::plan(const proto::FrameTransform& frame, const proto::GridShape& shape, double seconds) {
+  JumpTour tour(frame);
+  const auto wanted = std::max<size_t>(static_cast<size_t>(std::ceil(std::max(1.0, seconds) / secondsOf(kEvery))), 2);
+  if (frame.frame().kind == proto::FrameKind::kGlobe)
+    tour.jumpOverGlobe(wanted);
+  else
+    tour.jumpOverData(shape, wanted);
+  if (tour.views_.size() < 2)
+    return Error{ErrorCode::kUnsupported, "the scene is too small for the tour 'jumps'; choose another tour"};
+  tour.placeSamples();
   return tour;
 }
 
@@ -122,10 +146,9 @@ proto::Pose JumpTour::at(Duration t) const {
   const View& view = views_[i];
   const double s = secondsOf(std::max(t - kEvery * static_cast<int64_t>(i), Duration{}));
   const double yaw = view.heading_rad + kYaw_rad * s;
-  const glm::dvec3 along(std::cos(view.heading_rad), std::sin(view.heading_rad), 0);
-  const glm::dvec3 forward(std::cos(yaw) * std::cos(kPitch_rad), std::sin(yaw) * std::cos(kPitch_rad),
-                           std::sin(kPitch_rad));
-  return {view.eye + kSpeed_mps * s * along, proto::lookAlong(forward, {0, 0, 1})};
+  const glm::dvec3 forward = std::cos(yaw) * std::cos(kPitch_rad) * view.east +
+                             std::sin(yaw) * std::cos(kPitch_rad) * view.north + std::sin(kPitch_rad) * view.up;
+  return {view.eye + kSpeed_mps * s * view.along(), proto::lookAlong(forward, view.up)};
 }
 
 void JumpReports::count(const JumpTour& tour, size_t view, Duration since_jump, bool shows_view, float tolerance_px,

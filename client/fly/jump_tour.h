@@ -1,11 +1,14 @@
 // A flight that jumps from view to view, as people do who choose landmarks or open shared links: every kEvery the
 // camera is elsewhere at once, 1, 3, 12 or 48 km or half the scene away, and looks elsewhere; between jumps it flies on
-// slowly. It measures how a viewer comes back to its tolerance. The tour is no path: no camera ever was between two
-// views. Plans and reports are values; any thread.
+// slowly. Over a globe, where it begins in the middle of the north, it also jumps 1,000 km and to the other side. It
+// measures how a viewer comes back to its tolerance. The tour is no path: no camera ever was between two views. Plans
+// and reports are values; any thread.
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
 #include <span>
 #include <string>
 #include <vector>
@@ -45,9 +48,16 @@ class JumpTour {
     std::string kind;
     glm::dvec3 eye;  // scene frame; raised by setGround()
     double heading_rad;
+    // Headings turn from east to north.
+    glm::dvec3 east{1, 0, 0}, north{0, 1, 0}, up{0, 0, 1};
+
+    glm::dvec3 along() const { return std::cos(heading_rad) * east + std::sin(heading_rad) * north; }
   };
 
-  glm::dvec2 latticeOf(const glm::dvec2& p) const;
+  void jumpOverData(const proto::GridShape& shape, size_t wanted);
+  void jumpOverGlobe(size_t wanted);
+  View viewOverGlobe(std::string kind, const glm::dvec3& direction, double heading_rad) const;
+  void placeSamples();
 
   explicit JumpTour(const proto::FrameTransform& frame) : frame_(frame) {}
 

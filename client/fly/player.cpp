@@ -173,6 +173,9 @@ Status Player::takeGround(Time now) {
   std::optional<proto::GroundReply> ground = viewer_.takeGround();
   if (!ground) return {};
   ground_m_.insert(ground_m_.end(), ground->heights_m.begin(), ground->heights_m.end());
+  if (viewer_.welcome()->vertical.zero_surface == proto::ZeroSurface::kEllipsoid)
+    planned_.undulations_m.insert(planned_.undulations_m.end(), ground->undulations_m.begin(),
+                                  ground->undulations_m.end());
   if (!ground->heights_m.empty() && ground_m_.size() < groundPositions().size()) {
     askGround();
     return {};

@@ -7,6 +7,8 @@
 #include <glm/geometric.hpp>
 #include <numeric>
 
+#include "proto/space/direction.h"
+
 namespace foreland::client {
 
 namespace {
@@ -54,8 +56,13 @@ Status checkTrack(const Track& track, const proto::FrameTransform& frame, const 
   if (o.from_s >= track.seconds())
     return invalidArgument("--from " + std::to_string(o.from_s) + " is after the track's end; it lasts " +
                            std::to_string(track.seconds()) + " s");
+  const bool is_globe = frame.frame().kind == proto::FrameKind::kGlobe;
+  if (!track.cameras.empty() && is_globe)
+    return Error{ErrorCode::kUnsupported,
+                 "a camera over another model is laid on a plane, and this scene is a globe: fly a recorded track of "
+                 "latitudes and longitudes, or a tour"};
   if (!track.cameras.empty()) return {};
-  if (frame.frame().kind != proto::FrameKind::kGeographic)
+  if (!frame.frame().isOnEllipsoid())
     return Error{
         ErrorCode::kUnsupported,
         "the scene is in projected metres and a track is in latitude and longitude: build the scene from geographic "
@@ -99,6 +106,26 @@ std::vector<glm::dvec3> resample(const Track& track, const proto::Frame& frame, 
     out.push_back(pa + (pb - pa) * share);
   });
   return out;
+}
+
+glm::dvec3 normalAt(const Fix& fix) {
+  return {std::cos(fix.latitude_rad) * std::cos(fix.longitude_rad),
+          std::cos(fix.latitude_rad) * std::sin(fix.longitude_rad), std::sin(fix.latitude_rad)};
+}
+
+// Lays a track on a globe: by normals, which know no seam, and heights apart. All of it is inside the data.
+void planOverGlobe(const Track& track, const proto::FrameTransform& frame, const Steps& steps, PlannedTrack& plan) {
+  std::vector<glm::dvec3> normals;
+  forEachStep(track.fixes, steps, [&](const Fix& a, const Fix& b, double share) {
+    normals.push_back(proto::directionBetween(normalAt(a), normalAt(b), share));
+    plan.heights_m.push_back(std::lerp(a.height_m, b.height_m, share));
+  });
+  const auto half = static_cast<size_t>(std::lround(kSmooth_s / steps.step_s));
+  plan.heights_m = boxSmooth(plan.heights_m, half);
+  for (const glm::dvec3& normal : boxSmooth(normals, half)) {
+    const proto::LatticePosition at = frame.toLattice(frame.spheroid().position(normal, 0));
+    plan.positions.emplace_back(at.x, at.y);
+  }
 }
 
 // Where on the ground a lattice position is, metres east and north, near the middle of the scene.
@@ -196,6 +223,10 @@ proto::Pose poseOf(const glm::dvec3& eye, const glm::dquat& recorded, const glm:
 // The heights to fly at, and how many of the recorded ones were too low.
 std::vector<double> heightProfile(const PlannedTrack& plan, std::span<const float> ground_m, const TrackOptions& o,
                                   size_t& lifted) {
+  const bool is_camera = !plan.orientations.empty(), is_above_sea = !is_camera && !plan.undulations_m.empty();
+  const auto recordedAt = [&](size_t i) {
+    return plan.heights_m[i] + (is_above_sea ? double{plan.undulations_m[i]} : 0.0);
+  };
   const size_t half = stepsIn(kEnvelope_s, plan.step);
   std::vector<double> ground(ground_m.begin(), ground_m.end());
   if (o.agl_m) {
@@ -203,15 +234,14 @@ std::vector<double> heightProfile(const PlannedTrack& plan, std::span<const floa
     for (double& height : out) height += *o.agl_m;
     return out;
   }
-  const bool is_camera = !plan.orientations.empty();
   const double zero_m = is_camera ? std::reduce(ground.begin(), ground.end()) / static_cast<double>(ground.size()) : 0;
   std::vector<double> lift(ground.size());
   for (size_t i = 0; i < ground.size(); ++i) {
-    lift[i] = std::max(0.0, ground[i] + o.clearance_m - plan.heights_m[i] - zero_m);
+    lift[i] = std::max(0.0, ground[i] + o.clearance_m - recordedAt(i) - zero_m);
     lifted += lift[i] > 0;
   }
   std::vector<double> out = upperEnvelope(lift, half);
-  for (size_t i = 0; i < out.size(); ++i) out[i] = std::max(out[i], lift[i]) + plan.heights_m[i] + zero_m;
+  for (size_t i = 0; i < out.size(); ++i) out[i] = std::max(out[i], lift[i]) + recordedAt(i) + zero_m;
   return out;
 }
 
@@ -238,6 +268,10 @@ Result<PlannedTrack> planTrack(const Track& track, const proto::FrameTransform& 
     return plan;
   }
   PlannedTrack plan{.step = step};
+  if (frame.frame().kind == proto::FrameKind::kGlobe) {
+    planOverGlobe(track, frame, steps, plan);
+    return plan;
+  }
   std::vector<glm::dvec3> points = resample(track, frame.frame(), steps);
   points = boxSmooth(points, static_cast<size_t>(std::lround(kSmooth_s / step_s)));
 
@@ -259,6 +293,10 @@ Result<PlannedTrack> planTrack(const Track& track, const proto::FrameTransform& 
 
 Result<TrackPath> pathOverGround(const PlannedTrack& plan, const proto::FrameTransform& frame,
                                  std::span<const float> ground_m, const TrackOptions& o) {
+  const bool has_undulations = !plan.undulations_m.empty() && plan.orientations.empty();
+  if (has_undulations && plan.undulations_m.size() != plan.positions.size())
+    return Error{ErrorCode::kMalformed, "the server answered " + std::to_string(plan.undulations_m.size()) +
+                                            " undulations for " + std::to_string(plan.positions.size()) + " positions"};
   if (ground_m.size() != plan.positions.size() || plan.heights_m.size() != plan.positions.size())
     return Error{ErrorCode::kMalformed, "the server answered " + std::to_string(ground_m.size()) +
                                             " ground heights for " + std::to_string(plan.positions.size()) +

@@ -32,6 +32,9 @@ struct PlannedTrack {
   std::vector<glm::dvec2> positions = {};  // lattice positions
   std::vector<double> heights_m = {};      // recorded, above the zero surface; of a camera above the mean of the ground
   std::vector<glm::dquat> orientations = {};  // of a camera: its axes to east, north and up; else empty
+  // How far the sea, which recorded heights count from, lies above the scene's zero surface at each position; for
+  // whoever knows it to fill in. Empty: not at all.
+  std::vector<float> undulations_m = {};
   std::vector<std::string> notes = {};
 };
 
@@ -41,9 +44,10 @@ struct TrackPath {
   std::vector<std::string> notes = {};
 };
 
-// Errors: a projected scene (its relation to latitude and longitude is not known here), a track outside the data, one
-// that ends before `from_s`, one without heights when `agl_m` is absent, options out of range. What lies outside the
-// data is cut off, with a note; of several stretches inside, the longest is flown.
+// Over a globe a track goes along great circles from fix to fix. Errors: a projected scene (its relation to latitude
+// and longitude is not known here), a camera over a globe, a track outside the data, one that ends before `from_s`, one
+// without heights when `agl_m` is absent, options out of range. What lies outside the data is cut off, with a note; of
+// several stretches inside, the longest is flown.
 Result<PlannedTrack> planTrack(const Track& track, const proto::FrameTransform& frame, const proto::GridShape& shape,
                                const TrackOptions& options);
 

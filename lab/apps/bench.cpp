@@ -94,7 +94,7 @@ Result<Report> sections(const SectionArguments& args) {
 }
 
 Result<Report> refine(const RefineArguments& args) {
-  const auto flight = apps::planFlight(args.flight);
+  const auto flight = apps::planFlightOverPlane(args.flight);
   if (!flight) return flight.error();
   const auto views = lab::keyframeViews(flight->path, flight->options, lab::Guarantee::kEveryFrame);
   Report report = apps::flightReport(args.flight, *flight);
@@ -147,6 +147,11 @@ Result<Report> wire(const WireArguments& args) {
   report.update(*wasm);
   warnOfSkipped(report, "decode_wasm_skipped", "WebAssembly");
   if (!args.has_peers) return report;
+  if (flight->scene->grid().isCube()) {
+    report["peers_skipped"] = "the scene is a globe, and their meshes are cut by squares of a plane";
+    warnOfSkipped(report, "peers_skipped", "other makers' codecs");
+    return report;
+  }
   auto peers = lab::peersReport(*hierarchy, views, args.peers);
   if (!peers) return peers.error();
   warnOfSkipped(*peers, "quantized_mesh_skipped", "quantized-mesh");

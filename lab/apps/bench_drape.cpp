@@ -75,7 +75,7 @@ CLI::App* addDrape(CLI::App& app, DrapeArguments& args) {
 }
 
 Result<nlohmann::ordered_json> drape(const DrapeArguments& args) {
-  const auto planned = planFlight(args.flight);
+  const auto planned = planFlightOverPlane(args.flight);
   if (!planned) return planned.error();
   const auto flight = flightOf(args, *planned);
   if (!flight) return flight.error();

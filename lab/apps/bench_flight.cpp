@@ -3,8 +3,10 @@
 #include <bit>
 #include <cstdio>
 #include <limits>
+#include <utility>
 
 #include "apps/options/options.h"
+#include "apps/options/tour_option.h"
 #include "client/fly/recorded_path.h"
 #include "client/fly/tracks/track.h"
 #include "server/view/ground.h"
@@ -18,10 +20,8 @@ void addTrackOptions(CLI::App& app, FlightArguments& args) {
   const auto add = [&](const char* name, auto& value, const char* what) {
     return app.add_option(name, value, what)->group("The path");
   };
-  CLI::Option* tour = add("--tour", args.tour, "a built-in tour")
-                          ->type_name(text("NAME"))
-                          ->check(oneOf({"survey", "canyon", "spin", "orbit"}))
-                          ->capture_default_str();
+  CLI::Option* tour =
+      add("--tour", args.tour, "a built-in tour")->type_name(text("NAME"))->check(tourName())->capture_default_str();
   CLI::Option* track = add("--track", args.track,
                            "fly this recorded track: an IGC, GPX, KML or GeoJSON file, camera frames, or what "
                            "`foreland fly --record` wrote")
@@ -60,15 +60,16 @@ Result<proto::Path> planTrack(const terrain::Scene& scene, const FlightArguments
   const auto track = client::readTrack(args.track);
   if (!track) return track.error();
   const proto::FrameTransform frame(scene.frame());
-  const auto plan = client::planTrack(*track, frame, scene.grid().shape(), options);
+  auto plan = client::planTrack(*track, frame, scene.grid().shape(), options);
   if (!plan) return plan.error();
+  plan->undulations_m = server::seaAboveZero(scene, plan->positions);
   std::vector<float> ground_m;
   for (const glm::dvec2& at : plan->positions)
     ground_m.push_back(
         static_cast<float>(server::groundHeight(scene, at.x, at.y).value_or(std::numeric_limits<double>::quiet_NaN())));
   const auto flown = client::pathOverGround(*plan, frame, ground_m, options);
   if (!flown) return flown.error();
-  for (const auto* notes : {&track->notes, &plan->notes, &flown->notes})
+  for (const std::vector<std::string>* notes : {&track->notes, &std::as_const(plan->notes), &flown->notes})
     for (const std::string& note : *notes) std::fprintf(stderr, "note: %s\n", note.c_str());
   return flown->path;
 }
@@ -117,6 +118,16 @@ Result<PlannedFlight> planFlight(const FlightArguments& args) {
   flight.options.keyframe_interval = Duration::seconds(args.keyframe_ms / 1000);
   const double path_s = flight.path.step.toSeconds() * static_cast<double>(flight.path.poses.size() - 1);
   flight.options.seconds = std::min(flight.options.seconds, path_s);
+  return flight;
+}
+
+Result<PlannedFlight> planFlightOverPlane(const FlightArguments& args) {
+  auto flight = planFlight(args);
+  if (flight.ok() && flight->scene->grid().isCube())
+    return Error{ErrorCode::kUnsupported,
+                 args.scene +
+                     ": a globe, and what is compared here are squares of a plane; over globes "
+                     "there are sections, keyframes, wire, client and load"};
   return flight;
 }
 

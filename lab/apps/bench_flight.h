@@ -42,6 +42,9 @@ struct PlannedFlight {
 // about a track on stderr.
 Result<PlannedFlight> planFlight(const FlightArguments& args);
 
+// The same, for what measures planes alone: an Error over a globe, which says so.
+Result<PlannedFlight> planFlightOverPlane(const FlightArguments& args);
+
 // The scene's terrain and objects.
 Result<server::Hierarchy> hierarchyOf(const std::shared_ptr<const terrain::Scene>& scene);
 

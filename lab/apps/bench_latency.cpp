@@ -144,7 +144,7 @@ Result<nlohmann::ordered_json> latency(const LatencyArguments& args) {
   if (!cells) return cells.error();
   FlightArguments longer = args.flight;
   longer.flight.seconds += lab::kRunIn.toSeconds() + 1;
-  const auto planned = planFlight(longer);
+  const auto planned = planFlightOverPlane(longer);
   if (!planned) return planned.error();
   const auto flight = flightOf(args, *planned);
   if (!flight) return flight.error();

@@ -36,7 +36,7 @@ CLI::App* addOcclusion(CLI::App& app, OcclusionArguments& args) {
 }
 
 Result<nlohmann::ordered_json> occlusion(const OcclusionArguments& args) {
-  auto flight = planFlight(args.flight);
+  auto flight = planFlightOverPlane(args.flight);
   if (!flight) return flight.error();
   const auto hierarchy = hierarchyOf(flight->scene);
   if (!hierarchy) return hierarchy.error();

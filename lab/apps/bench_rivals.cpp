@@ -88,7 +88,7 @@ CLI::App* addRivals(CLI::App& app, RivalsArguments& args) {
 Result<nlohmann::ordered_json> rivals(const RivalsArguments& args) {
   if (Status s = checkInstalled(args.sources); !s.ok()) return s.error();
   if (const auto links = linksOf(args.link); !links) return links.error();
-  const auto planned = planFlight(args.flight);
+  const auto planned = planFlightOverPlane(args.flight);
   if (!planned) return planned.error();
   const lab::TemporaryFolder scratch;
   if (scratch.path().empty())

@@ -97,7 +97,7 @@ Status checkArguments(const TilesArguments& args) {
 }
 
 Result<nlohmann::ordered_json> tiles(const TilesArguments& args) {
-  const auto planned = planFlight(args.flight);
+  const auto planned = planFlightOverPlane(args.flight);
   if (!planned) return planned.error();
   const auto flight = flightOf(args, *planned);
   if (!flight) return flight.error();

@@ -18,7 +18,9 @@ oracle::SceneOracle oracleOf(const server::Hierarchy& hierarchy) {
   // The scene outlives the oracle.
   std::shared_ptr<const terrain::Scene> scene(&hierarchy.scene(), [](const terrain::Scene*) {});
   const server::SceneObjects& objects = hierarchy.objects();
-  return oracle::SceneOracle(oracle::truthOf(std::move(scene)), oracle::objectsTruth(objects.set, objects.nodes));
+  oracle::ObjectsTruth truth = oracle::objectsTruth(objects.set, objects.nodes);
+  if (scene->grid().isCube()) return oracle::SceneOracle(oracle::GlobeOracle(scene), scene->frame(), std::move(truth));
+  return oracle::SceneOracle(oracle::truthOf(std::move(scene)), std::move(truth));
 }
 
 class Replay {

@@ -55,7 +55,8 @@ class Hierarchy {
   explicit Hierarchy(std::shared_ptr<const terrain::Scene> scene,
                      proto::ErrorBound bound = proto::ErrorBound::kSpheroid, SceneObjects objects = {})
       : scene_(std::move(scene)),
-        domain_(scene_->grid(), scene_->frame(), bound),
+        domain_(scene_->grid(), scene_->frame(), bound,
+                scene_->heightRange().highest * scene_->frame().height_quantum_m),
         objects_(std::move(objects)),
         max_offset_(scene_->epochs().maxOffset()) {}
 

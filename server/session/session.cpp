@@ -77,7 +77,9 @@ Status Session::take(const proto::SceneClock& clock, Time) {
   return {};
 }
 
-Status Session::take(const proto::TourRequest& request, Time) { return input_.take(request); }
+Status Session::take(const proto::TourRequest& request, Time) {
+  return input_.take(request, world_->hierarchy.scene());
+}
 
 Status Session::take(const proto::GroundRequest& request, Time) { return input_.take(request); }
 

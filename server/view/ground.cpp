@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "proto/space/undulation_place.h"
 #include "terrain/store/bilinear.h"
 
 namespace foreland::server {
@@ -30,6 +31,16 @@ std::optional<double> groundHeight(const terrain::Scene& scene, double x, double
     return highestAt(scene, scene.grid().nameIn(root_x, proto::NodeId::at(at_x, at_y)));
   };
   return terrain::bilinear(shape.samples_x, shape.samples_y, x, y, at) * scene.frame().height_quantum_m;
+}
+
+std::vector<float> seaAboveZero(const terrain::Scene& scene, std::span<const glm::dvec2> positions) {
+  const proto::VerticalDatum& datum = scene.vertical();
+  if (datum.zero_surface != proto::ZeroSurface::kEllipsoid || datum.undulations.isEmpty()) return {};
+  const proto::FrameTransform transform(scene.frame());
+  std::vector<float> above_m;
+  for (const glm::dvec2& p : positions)
+    above_m.push_back(static_cast<float>(datum.undulations.at(proto::undulationPlace(transform, p))));
+  return above_m;
 }
 
 double heightAboveGround(const terrain::Scene& scene, const glm::dvec3& point) {

@@ -286,14 +286,18 @@ constexpr std::array<Tour, 4> kTours{{{"survey", survey}, {"canyon", canyon}, {"
 
 }  // namespace
 
-Status checkTour(const std::string& name) {
+Status checkTour(const terrain::Scene& scene, const std::string& name) {
   if (std::any_of(kTours.begin(), kTours.end(), [&](const Tour& tour) { return name == tour.name; })) return {};
+  const std::optional<Status> over_globe = checkGlobeTour(name);
+  if (scene.grid().isCube() && over_globe) return *over_globe;
   return Error{ErrorCode::kNotFound,
-               "there is no tour '" + printable(name, 40) + "'; choose survey, canyon, spin or orbit"};
+               "there is no tour '" + printable(name, 40) + "'" + (over_globe ? " but over globes" : "") +
+                   "; choose survey, canyon, spin or orbit" +
+                   (scene.grid().isCube() ? ", descent, pole, antimeridian, corner or equator" : "")};
 }
 
 Result<proto::Path> planTour(const terrain::Scene& scene, const std::string& name, double seconds) {
-  if (Status known = checkTour(name); !known.ok()) return known.error();
+  if (Status known = checkTour(scene, name); !known.ok()) return known.error();
   const size_t steps = static_cast<size_t>(std::clamp(seconds, 1.0, 3600.0) / kStep.toSeconds()) + 2;
   if (scene.grid().isCube()) return planGlobeTour(scene, name, steps, kStep);
   const Ground ground(scene);

@@ -6,7 +6,8 @@
 //   orbit   around the highest summit near the middle, looking at it
 // On scenes that are too small for these distances, all of them shrink alike; where samples are more than 100 m apart
 // they grow alike. Over scenes that are fine in places speed and height are those of their coarse ground, and shrink
-// where it is finer (pace.h). The eye stays above the ground. Pure functions; any thread. Cost: milliseconds.
+// where it is finer (pace.h). Over globes they are others, and there are more (globe_tour.h). The eye stays above the
+// ground. Pure functions; any thread. Cost: milliseconds.
 #pragma once
 
 #include <string>
@@ -17,8 +18,8 @@
 
 namespace foreland::server {
 
-// Whether there is a tour of that name; the Error lists the tours.
-Status checkTour(const std::string& name);
+// Whether there is a tour of that name over the scene; the Error lists the tours.
+Status checkTour(const terrain::Scene& scene, const std::string& name);
 
 // A path that lasts `seconds` (1 to 3600), starts at time 0 and has steps of 100 ms. The Error for an unknown name
 // lists the tours.

@@ -26,7 +26,12 @@ using proto::NodeId;
 constexpr double kAlike = 1.01;      // resolutions that differ by less are the same
 constexpr uint32_t kCoarsest = 6;    // whole levels go down to this at least: then a page is on one face
 constexpr uint32_t kMostWhole = 13;  // 4e8 vertices
-constexpr uint32_t kNet = 9;         // directions along each side of a patch
+// Drawn meshes name their vertices by lattice positions in floats (KeyframeMesh::parameters), which are exact up to
+// 2^24: those of six faces of 2^21 steps are. With 2^22 odd columns beyond the fourth face would get their neighbours'
+// names.
+constexpr uint32_t kMostDeep = 21;
+static_assert((6u << kMostDeep) < 1u << 24 && kMostDeep <= GridTopology::kMaxCubeLog2);
+constexpr uint32_t kNet = 9;  // directions along each side of a patch
 
 uint32_t log2For(double quarter_m, double spacing_m) {
   return std::max(kCoarsest,
@@ -157,10 +162,10 @@ Result<GlobeDepth> depthOf(const GlobeInfo& info) {
                                         " m apart, and a globe is at most " +
                                         std::to_string(quarterOf(info) / (1 << kMostWhole)) +
                                         " m fine everywhere; give what is finer as an --inset"};
-  if (depth.deepest_log2 > GridTopology::kMaxCubeLog2)
+  if (depth.deepest_log2 > kMostDeep)
     return Error{ErrorCode::kLimit,
                  info.title + ": an inset's samples are less than " +
-                     std::to_string(quarterOf(info) / (1 << GridTopology::kMaxCubeLog2)) +
+                     std::to_string(quarterOf(info) / (1 << kMostDeep)) +
                      " m apart, which is the finest that a globe can be; make it coarser with gdal_translate -tr"};
   return depth;
 }

@@ -231,6 +231,11 @@ class FullTriangles final : public TriangleSource {
 
 Result<RayCaster> RayCaster::ofScene(std::shared_ptr<const Scene> scene, Time scene_time) {
   const proto::GridShape& shape = scene->grid().shape();
+  // Floats about one origin are half a metre apart as far from it as a planet's radius.
+  if (shape.is_cube)
+    return Error{ErrorCode::kUnsupported,
+                 "ray casting: the scene is a globe, and rays are cast in single precision about "
+                 "its middle, too coarse to show the ground; the page shows globes"};
   if (!scene->isSparse() && uint64_t{shape.samples_x} * shape.samples_y > kMaxSamples)
     return Error{ErrorCode::kLimit, "ray casting: the scene has " + std::to_string(shape.samples_x) + " x " +
                                         std::to_string(shape.samples_y) + " samples, 2^28 are the most"};

@@ -1,6 +1,7 @@
 #include "proto/refine/metric/horizon.h"
 
 #include <glm/geometric.hpp>
+#include <limits>
 
 namespace foreland::proto {
 
@@ -11,7 +12,7 @@ double slopeOf(double sine) { return sine / std::sqrt((1 - sine) * (1 + sine)); 
 
 }  // namespace
 
-Horizon::Horizon(const Frame& frame, const View& view, const Frustum& frustum) {
+Horizon::Horizon(const Frame& frame, double ceiling_m, const View& view, const Frustum& frustum) {
   stretch_ = frame.semi_major_m / frame.semiMinor();
   const glm::dvec3 eye(view.pose.eye.x, view.pose.eye.y, view.pose.eye.z * stretch_);
   distance_ = glm::length(eye);
@@ -33,6 +34,29 @@ Horizon::Horizon(const Frame& frame, const View& view, const Frustum& frustum) {
   slope_ = slopeOf(sin_);
   widest_ = 0.5 * (distance_ - ball_);
   widest_slope_ = slopeOf((ball_ + widest_) / distance_);
+  limitDirections(floor, frame.semi_major_m + stretch_ * (std::max(0.0, ceiling_m) + 1),
+                  stretch_ * view.region_radius_m);
+}
+
+void Horizon::limitDirections(double floor, double top, double region) {
+  const double nearest = distance_ - region, farthest = distance_ + region;
+  per_apart_ = per_apart_seen_ = widest_apart_ = std::numeric_limits<double>::max();
+  if (!(top < 2 * floor)) return;
+  if (!(nearest > floor * (1 + 1e-9))) {
+    widest_apart_ = std::max(0.0, floor * (1 + 1e-9) - nearest) / 2;
+    return;
+  }
+  const double cos_eye = floor / farthest, cos_top = floor / top,
+               cosine = cos_eye * cos_top - std::sqrt((1 - cos_eye * cos_eye) * (1 - cos_top * cos_top));
+  apart_ = std::sqrt(2 - 2 * cosine) + region / nearest;
+  per_radius_ = stretch_ / floor;
+  widest_apart_ = 0.5 * std::min(nearest - floor, floor - region);  // without a ball nothing is hidden
+  const double least = nearest - widest_apart_, turn = 1 / least + region / (least * least);
+  const auto rise = [&](double distance) {
+    return floor / (distance * std::sqrt((distance - floor) * (distance + floor)));
+  };
+  per_apart_ = 1 / (turn + rise(farthest));
+  per_apart_seen_ = 1 / (turn + rise(farthest - widest_apart_));
 }
 
 }  // namespace foreland::proto

@@ -9,8 +9,8 @@ Metric::Metric(const View& view, bool vertical_errors)
       any_direction_(vertical_errors ? 0 : std::numeric_limits<double>::infinity()),
       region_radius_(view.region_radius_m) {}
 
-Metric::Metric(const View& view, const Frame& globe) : Metric(view, false) {
-  horizon_ = Horizon(globe, view, frustum_);
+Metric::Metric(const View& view, const Frame& globe, double ceiling_m) : Metric(view, false) {
+  horizon_ = Horizon(globe, ceiling_m, view, frustum_);
   is_over_globe_ = true;
 }
 

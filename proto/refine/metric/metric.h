@@ -39,7 +39,8 @@ class Metric {
   // With `vertical_errors` errors point up or down, else anywhere.
   Metric(const View& view, bool vertical_errors);
   // On a globe, whose horizon horizon() knows: a node that it hides is not needed, whatever the functions below say.
-  Metric(const View& view, const Frame& globe);
+  // No ground lies above the ceiling.
+  Metric(const View& view, const Frame& globe, double ceiling_m);
   const Horizon& horizon() const { return horizon_; }
   bool isOverGlobe() const { return is_over_globe_; }
 

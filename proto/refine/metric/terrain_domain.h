@@ -3,6 +3,8 @@
 // Immutable; any thread.
 #pragma once
 
+#include <limits>
+
 #include "proto/refine/metric/motion_margin.h"
 #include "proto/section/bounds.h"
 #include "proto/space/frame_grid.h"
@@ -23,17 +25,20 @@ struct TerrainDomain {
   FrameGrid frame;
   SphereLevels spheres;
   bool has_vertical_errors;
+  double ceiling_m;  // that no ground lies above; of a globe's horizon
 
-  TerrainDomain(const GridTopology& topology, const Frame& f, ErrorBound bound = ErrorBound::kSpheroid)
+  TerrainDomain(const GridTopology& topology, const Frame& f, ErrorBound bound = ErrorBound::kSpheroid,
+                double ceiling = std::numeric_limits<double>::infinity())
       : grid(topology),
         frame(f, topology.maxX(), topology.maxY()),
         spheres(topology, f),
-        has_vertical_errors(f.kind == FrameKind::kPlanar && bound == ErrorBound::kSpheroid) {}
+        has_vertical_errors(f.kind == FrameKind::kPlanar && bound == ErrorBound::kSpheroid),
+        ceiling_m(ceiling) {}
 
   const GridTopology& topology() const { return grid; }
   Metric metric(const View& view) const {
     const Frame& f = frame.transform().frame();
-    return f.kind == FrameKind::kGlobe ? Metric(view, f) : Metric(view, has_vertical_errors);
+    return f.kind == FrameKind::kGlobe ? Metric(view, f, ceiling_m) : Metric(view, has_vertical_errors);
   }
   MotionBound motionBound(const View& from, const View& to) const {
     return MotionMargin(metric(from)).motionBoundTo(from, to);

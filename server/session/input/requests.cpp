@@ -63,8 +63,8 @@ void Requests::forget() {
   std::erase_if(waiting_, [](const auto& waits) { return std::holds_alternative<Request>(waits); });
 }
 
-Status Requests::add(const proto::TourRequest& request) {
-  if (Status known = checkTour(request.name); !known.ok()) return known;
+Status Requests::add(const proto::TourRequest& request, const terrain::Scene& scene) {
+  if (Status known = checkTour(scene, request.name); !known.ok()) return known;
   forget<proto::TourRequest>();
   if (Status room = checkRoom(); !room.ok()) return room;
   waiting_.emplace_back(request);

@@ -18,9 +18,9 @@ class Requests {
  public:
   static constexpr size_t kMax = 16;
 
-  // An Error if there is no such tour, or if too many requests wait. A tour or a viewshed takes the place of one that
-  // waits, behind all else.
-  Status add(const proto::TourRequest& request);
+  // An Error if there is no such tour over the scene, or if too many requests wait. A tour or a viewshed takes the
+  // place of one that waits, behind all else.
+  Status add(const proto::TourRequest& request, const terrain::Scene& scene);
   Status add(const proto::GroundRequest& request);
   Status add(const proto::SightRequest& request);
   Status add(const proto::ViewshedRequest& request);

@@ -32,7 +32,7 @@ class ViewerInput {
   void take(const proto::Path& path) { motion_.announce(path); }
   // Where the scene has no epochs, its clock changes nothing.
   void take(const proto::SceneClock& clock) { scene_time_.take(clock); }
-  Status take(const proto::TourRequest& request) { return requests_.add(request); }
+  Status take(const proto::TourRequest& request, const terrain::Scene& scene) { return requests_.add(request, scene); }
   Status take(const proto::GroundRequest& request) { return requests_.add(request); }
   Status take(const proto::SightRequest& request) { return requests_.add(request); }
   Status take(const proto::ViewshedRequest& request) { return requests_.add(request); }

@@ -137,5 +137,59 @@ TEST(TrackPath, RefusesGroundHeightsThatDoNotFit) {
   EXPECT_FALSE(pathOverGround(*plan, frame, flat(*plan, NAN), {}).ok());
 }
 
+proto::Frame globeFrame() {
+  proto::Frame frame;
+  frame.kind = proto::FrameKind::kGlobe;
+  frame.face_steps = 1u << 17;
+  return frame;
+}
+const proto::GridShape kGlobeShape = proto::GridTopology::cubeShape(17);
+
+// Over the antimeridian, an edge of the cube and a pole, and as far above the sea as recorded.
+TEST(TrackPath, KnowsNoSeamOverAGlobe) {
+  const proto::FrameTransform frame(globeFrame());
+  for (const double longitude : {8.5, 45.0, 180.0, -180.0}) {
+    Track track;
+    for (size_t i = 0; i <= 60; ++i)
+      track.fixes.push_back({static_cast<double>(i), (30 + static_cast<double>(i)) * kDeg, longitude * kDeg, 9000});
+    auto plan = planTrack(track, frame, kGlobeShape, {});
+    ASSERT_TRUE(plan.ok()) << plan.error().message;
+    ASSERT_EQ(plan->positions.size(), 601u);
+    plan->undulations_m.assign(plan->positions.size(), 47);
+    const auto path = pathOverGround(*plan, frame, flat(*plan, -5000), {});
+    ASSERT_TRUE(path.ok()) << path.error().message;
+    for (size_t i = 10; i + 10 < path->path.poses.size(); ++i) {
+      const proto::Geodetic at = frame.toGeodetic(path->path.poses[i].eye);
+      ASSERT_NEAR(at.latitude_rad, (30 + static_cast<double>(i) * 0.1) * kDeg, 1e-4) << longitude << ", " << i;
+      ASSERT_NEAR(std::cos(at.longitude_rad - longitude * kDeg), 1, 1e-9) << longitude << ", " << i;
+      ASSERT_NEAR(at.height_m, 9047, 1e-3) << longitude << ", " << i;
+    }
+  }
+}
+
+TEST(TrackPath, GoesOnAcrossTheAntimeridian) {
+  const proto::FrameTransform frame(globeFrame());
+  Track track;
+  for (size_t i = 0; i <= 20; ++i) {
+    const double longitude = 179.9 + 0.01 * static_cast<double>(i);
+    track.fixes.push_back(
+        {static_cast<double>(i), -17 * kDeg, (longitude > 180 ? longitude - 360 : longitude) * kDeg, 500});
+  }
+  const auto plan = planTrack(track, frame, kGlobeShape, {});
+  ASSERT_TRUE(plan.ok());
+  const auto path = pathOverGround(*plan, frame, flat(*plan, 0), {});
+  ASSERT_TRUE(path.ok());
+  for (size_t i = 1; i < path->path.poses.size(); ++i)
+    ASSERT_LT(glm::distance(path->path.poses[i - 1].eye, path->path.poses[i].eye), 120) << i;
+}
+
+TEST(TrackPath, LaysNoCameraOfAnotherModelOnAGlobe) {
+  Track track;
+  track.cameras = {{.time_s = 0}, {.time_s = 1}};
+  const auto plan = planTrack(track, proto::FrameTransform(globeFrame()), kGlobeShape, {});
+  ASSERT_FALSE(plan.ok());
+  EXPECT_NE(plan.error().message.find("globe"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace foreland::client

@@ -102,24 +102,27 @@ TEST(GlobeHorizon, HidesNoGroundThatCanBeSeen) {
   Rng rng(test::randomSeed());
   const Hierarchy hierarchy(test::makeGlobeScene(5, 3));
   const Frame& frame = hierarchy.frame().transform().frame();
-  const double a = frame.semi_major_m, b = frame.semiMinor();
+  const double a = frame.semi_major_m, b = frame.semiMinor(), ceiling_m = hierarchy.domain().ceiling_m;
+  const Spheroid& body = hierarchy.frame().transform().spheroid();
   size_t hidden = 0, seen = 0;
   for (int round = 0; round < 300; ++round) {
     View view = specialView(hierarchy, rng);
     const Metric metric = hierarchy.domain().metric(view);
     for (int i = 0; i < 100; ++i) {
       const glm::dvec3 to(rng.uniform(-1, 1), rng.uniform(-1, 1), rng.uniform(-1, 1));
-      const glm::dvec3 p = hierarchy.frame().transform().spheroid().position(to, rng.uniform(-100, 500));
+      const glm::dvec3 p = body.position(to, rng.uniform(frame.floor(), ceiling_m));
       const double radius = rng.below(2) == 0 ? 0 : rng.uniform(0, 3000);
       const glm::dvec3 w = p - view.pose.eye;
       const bool is_hidden = metric.horizon().hides(metric.frustum().toView(w.x, w.y, w.z), radius);
       hidden += is_hidden;
       if (!is_hidden) continue;
-      // Any point of the sphere, from anywhere in the region: does the segment enter the spheroid of the lowest ground?
+      // Any ground in the sphere, from anywhere in the region: does the segment enter the spheroid of the lowest
+      // ground?
       const glm::dvec3 off(rng.uniform(-1, 1), rng.uniform(-1, 1), rng.uniform(-1, 1)),
           aside(rng.uniform(-1, 1), rng.uniform(-1, 1), rng.uniform(-1, 1));
+      const Spheroid::Place end_place = body.place(p + glm::normalize(off) * radius);
       const glm::dvec3 eye = view.pose.eye + glm::normalize(aside) * view.region_radius_m,
-                       end = p + glm::normalize(off) * radius;
+                       end = body.position(end_place.normal, std::clamp(end_place.height_m, frame.floor(), ceiling_m));
       double least = 1e9;
       for (int k = 0; k <= 2000; ++k) {
         const glm::dvec3 q = glm::mix(eye, end, k / 2000.0);
@@ -132,6 +135,24 @@ TEST(GlobeHorizon, HidesNoGroundThatCanBeSeen) {
   }
   EXPECT_GT(hidden, 1000u);
   EXPECT_EQ(hidden, seen);
+}
+
+// Where no ground is higher than the ceiling, wide spheres behind the horizon need not be needed (horizon.h).
+TEST(GlobeHorizon, SparesWideSpheresByTheCeiling) {
+  Rng rng(test::randomSeed());
+  const Hierarchy hierarchy(test::makeGlobeScene(7, 3));
+  const TerrainDomain without(hierarchy.grid(), hierarchy.frame().transform().frame());
+  RefineScratch scratch;
+  Section section, unlimited;
+  size_t all = 0, left = 0;
+  for (int i = 0; i < 30; ++i) {
+    const View view = specialView(hierarchy, rng);
+    ASSERT_TRUE(refine(hierarchy, view, kNoLimit, scratch, section));
+    ASSERT_TRUE(refine(without, hierarchy.nodes(), view, kNoLimit, scratch, unlimited));
+    EXPECT_TRUE(std::ranges::includes(unlimited.slots, section.slots));
+    all += unlimited.slots.size(), left += section.slots.size();
+  }
+  EXPECT_LT(20 * left, 19 * all);
 }
 
 // The claim of Horizon::slack(): nothing changes while the eye moves by less.

@@ -171,6 +171,11 @@ TEST(GlobeBuild, RefusesWhatIsTooFine) {
   fine.about.inputs = {{.files = {"x.tif"}, .vertical = {}, .spacing_m = 0.1},
                        {.files = {"b"}, .vertical = {}, .spacing_m = 9e4}};
   EXPECT_NE(depthOf(fine.about).error().message.find("gdal_translate"), std::string::npos);
+  // Faces of 2^21 steps: what is finer has vertices whose names floats of meshes do not hold.
+  fine.about.inputs[0].spacing_m = 4.8;
+  EXPECT_EQ(depthOf(fine.about).value().deepest_log2, 21u);
+  fine.about.inputs[0].spacing_m = 4.7;
+  EXPECT_FALSE(depthOf(fine.about).ok());
 }
 
 }  // namespace
