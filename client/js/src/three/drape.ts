@@ -3,6 +3,7 @@
 import * as THREE from 'three';
 import { kContents, kFrameKinds, type Content, type Layer, type SlopeFrame, type TextureLayers } from '../core/values.js';
 import type { MeshUpdate } from '../core/mesh_update.js';
+import { kFaces, nearestOnFaces } from './cube.js';
 import { TileTextures } from './tile_textures.js';
 
 export class Drape {
@@ -41,8 +42,13 @@ export class Drape {
     u.u_ellipsoid!.value.set(frame.semi_major_m, frame.eccentricity_squared);
     const { relief } = layers;
     if (!relief) return;
-    const sample_m = kFrameKinds[frame.frame_kind] === 'geographic' ? frame.semi_major_m * frame.latitude_step : 1 / Math.hypot(...frame.gradient_y);
     u.u_relief_code!.value.set(relief.low_m, relief.code_m);
+    const kind = kFrameKinds[frame.frame_kind];
+    if (kind === 'globe') {
+      u.u_relief_texel_m!.value = (0.5 * Math.PI * frame.semi_major_m) / relief.size[0];
+      return;
+    }
+    const sample_m = kind === 'geographic' ? frame.semi_major_m * frame.latitude_step : 1 / Math.hypot(...frame.gradient_y);
     u.u_relief_texel_m!.value = relief.texel * sample_m;
   }
 
@@ -81,6 +87,13 @@ export class Drape {
     return kContents.filter((c) => this.wanted[c] && this.textures[c].shown > 0).map((c) => this.layers[c]?.attribution ?? '').filter((text) => text !== '');
   }
 
+  private placeOnFaces(lattice: readonly [number, number], steps: number): [number, number][] {
+    const places = nearestOnFaces(lattice, steps);
+    this.uniforms.u_face_steps!.value = steps;
+    places.forEach((at, face) => this.uniforms.u_pivots!.value[face].set(...at));
+    return places;
+  }
+
   // Positions count from a sample near the eye, so that floats are exact enough far from the lattice's origin.
   place(lattice: readonly [number, number], samples: readonly [number, number]): void {
     const pivot = lattice.map((v, i) => Math.round(Math.min(Math.max(v, 0), samples[i]! - 1))) as [number, number];
@@ -90,10 +103,16 @@ export class Drape {
       const { latitude, longitude, latitude_step, longitude_step } = this.frame;
       u.u_geodetic!.value.set(longitude + pivot[0] * longitude_step, latitude + pivot[1] * latitude_step);
     }
+    const is_globe = this.frame !== null && kFrameKinds[this.frame.frame_kind] === 'globe';
+    const on_faces = is_globe ? this.placeOnFaces(lattice, samples[1] - 1) : null;
     for (const content of kContents) {
       const layer = this.layers[content];
       u[`u_${content}_levels`]!.value = layer && this.wanted[content] && this.textures[content].shown > 0 ? layer.levels : 0;
       if (!layer) continue;
+      on_faces?.forEach((at, face) => {
+        const [x, y] = at.map((v) => v / layer.texel) as [number, number];
+        u[`u_${content}_pivots`]!.value[face].set(Math.floor(x), Math.floor(y), x - Math.floor(x), y - Math.floor(y));
+      });
       const texels = pivot.map((v, i) => (v - layer.origin[i]!) / layer.texel) as [number, number];
       const whole = texels.map(Math.floor) as [number, number];
       u[`u_${content}_pivot`]!.value.set(...whole);
@@ -104,6 +123,10 @@ export class Drape {
   }
 }
 
+function fill<T>(make: () => T): T[] {
+  return Array.from({ length: kFaces }, make);
+}
+
 function slopeUniforms(): Record<string, THREE.IUniform> {
   return {
     u_gradient: { value: new THREE.Vector4() },
@@ -111,6 +134,8 @@ function slopeUniforms(): Record<string, THREE.IUniform> {
     u_geodetic: { value: new THREE.Vector2() },
     u_geodetic_step: { value: new THREE.Vector2() },
     u_origin_latitude: { value: 0 },
+    u_face_steps: { value: 1 },
+    u_pivots: { value: fill(() => new THREE.Vector2()) },
     u_ellipsoid: { value: new THREE.Vector2() },
   };
 }
@@ -125,6 +150,7 @@ function tileUniforms(content: Content, textures: TileTextures): Record<string, 
     [`u_${content}_pages`]: textures.uniforms.pages,
     [`u_${content}_pivot`]: { value: new THREE.Vector2() },
     [`u_${content}_rest`]: { value: new THREE.Vector2() },
+    [`u_${content}_pivots`]: { value: fill(() => new THREE.Vector4()) },
     [`u_${content}_density`]: { value: 1 },
     [`u_${content}_size`]: { value: new THREE.Vector2() },
     [`u_${content}_levels`]: { value: 0 },

@@ -45,8 +45,8 @@ function blendVertices(shader: Shader, uniforms: Uniforms, part: 'ground' | 'obj
 }
 
 const kGroundColour = `#include <map_fragment>
-  vec2 foreland_dx = dFdx(v_lattice), foreland_dy = dFdy(v_lattice);
-  Ground foreland_ground = groundAt(normalize(v_normal), v_texture_coordinate.w, v_lattice, foreland_dx, foreland_dy);
+  vec2 foreland_lattice = latticeHere(), foreland_dx = dFdx(foreland_lattice), foreland_dy = dFdy(foreland_lattice);
+  Ground foreland_ground = groundAt(normalize(v_normal), v_texture_coordinate.w, foreland_lattice, foreland_dx, foreland_dy);
   float foreland_facing = max(abs(dot(normalize(normalMatrix * foreland_ground.normal), normalize(vViewPosition))), 0.12);
   float foreland_pixel_m = max(length(vViewPosition) * u_pixel_rad / sqrt(foreland_facing), 1e-4);
   vec3 foreland_albedo = albedoOf(foreland_ground.normal, foreland_ground.height, foreland_pixel_m, foreland_dx, foreland_dy);

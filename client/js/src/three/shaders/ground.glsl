@@ -1,5 +1,8 @@
 // The colour of the ground: as it may look, by the picture that is laid over it, or by what is known of it.
 in vec2 v_lattice;              // position on the lattice, from the pivot
+in vec4 v_chart_0;              // globe: position on a face from its pivot, the face, and 1 if the vertex lies on it; else zeros
+in vec4 v_chart_1;
+in vec4 v_chart_2;
 in vec3 v_normal;               // of the mesh, in the scene's axes
 in vec3 v_up;                   // away from the zero surface; of any length
 in vec4 v_texture_coordinate;   // from the mesh's origin; height
@@ -14,6 +17,15 @@ uniform float u_snow_line;    // from 0, the lowest ground, to 1, the highest
 uniform float u_change_m;     // that has the strongest colours
 uniform int u_has_sea;        // what is lower than 0 lies under water
 uniform vec3 u_north;         // the earth's axis, or north on the map
+
+// Position on the lattice, from the pivot; on a globe on the face that all corners of the triangle lie on, from the face's pivot.
+vec2 latticeHere() {
+  if (u_frame != 2) return v_lattice;
+  vec3 off = abs(vec3(v_chart_0.w, v_chart_1.w, v_chart_2.w) - 1.0);
+  vec4 chart = off.x <= min(off.y, off.z) ? v_chart_0 : off.y <= off.z ? v_chart_1 : v_chart_2;
+  g_face = int(chart.z + 0.5);
+  return chart.xy;
+}
 
 float hash(ivec2 p) {
   uint h = uint(p.x) * 0x9E3779B1u ^ uint(p.y) * 0x85EBCA77u;
@@ -130,11 +142,12 @@ vec3 groundColour(vec3 normal, float height, float pixel_m) {
 
 vec3 albedoOf(vec3 normal, float height, float pixel_m, vec2 dx, vec2 dy) {
   if (u_ground == 1) return vec3(0.24);
-  if (u_ground == 2) return slopeColour(degrees(acos(clamp(dot(normal, upAt(v_lattice)), 0.0, 1.0))));
-  if (u_ground == 3) return aspectColour(normal, upAt(v_lattice));
+  vec2 lattice = latticeHere();
+  if (u_ground == 2) return slopeColour(degrees(acos(clamp(dot(normal, upAt(lattice)), 0.0, 1.0))));
+  if (u_ground == 3) return aspectColour(normal, upAt(lattice));
   if (u_ground == 4) return tintAt(height);
   if (u_ground == 5) return changeColour(v_moved / u_change_m);
-  vec4 picture = pictureAt(v_lattice, dx, dy);
+  vec4 picture = pictureAt(lattice, dx, dy);
   return picture.a < 1.0 ? mix(groundColour(normal, height, pixel_m), picture.rgb, picture.a) : picture.rgb;
 }
 

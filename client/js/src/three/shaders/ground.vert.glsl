@@ -6,11 +6,41 @@ uniform int u_frame;         // planar, geographic, globe
 uniform vec3 u_from_middle;  // globe: of the mesh's origin
 uniform float u_round;       // globe: by which the axis is stretched, so that normals of its ellipsoid are those of a ball
 uniform vec2 u_pivot;        // a whole position near the eye
+uniform float u_face_steps;  // globe: lattice steps a side of a face
+uniform vec2 u_pivots[6];    // globe: of each face a whole position near the eye
 out vec2 v_lattice;          // from the pivot
+out vec4 v_chart_0;          // globe: see latticeHere()
+out vec4 v_chart_1;
+out vec4 v_chart_2;
 out float v_moved;
 out vec3 v_normal;
 out vec3 v_up;               // away from the zero surface; of any length
 out vec4 v_texture_coordinate;  // from the mesh's origin; height
+
+// A vertex on an edge or in a corner of the cube lies on two or three faces (proto/topology/cube.h), and its name is that of one. So all
+// places of it are passed on, of faces 0 and 3 on the first chart, of 1 and 4 on the second, of 2 and 5 on the third: no vertex is on both.
+void setChart(inout vec4 charts[3], int face, vec2 place) {
+  vec4 chart = vec4(place - u_pivots[face], float(face), 1.0);
+  if (face % 3 == 0) charts[0] = chart;
+  else if (face % 3 == 1) charts[1] = chart;
+  else charts[2] = chart;
+}
+void passCharts() {
+  vec4 charts[3] = vec4[](vec4(0.0), vec4(0.0), vec4(0.0));
+  float side = u_face_steps;
+  int face = min(int(texture_coordinate.x / side), 5);
+  vec2 p = vec2(texture_coordinate.x - float(face) * side, texture_coordinate.y);
+  bool is_first = face % 2 == 0;
+  setChart(charts, face, p);
+  if (p.x == side || p.y == side) { // corners that no face names
+    setChart(charts, (face + 2) % 6, p);
+    setChart(charts, (face + 4) % 6, p);
+  } else {
+    if (p.x == 0.0) setChart(charts, (face + (is_first ? 4 : 5)) % 6, is_first ? vec2(side - p.y, side) : vec2(side, p.y));
+    if (p.y == 0.0) setChart(charts, (face + (is_first ? 5 : 4)) % 6, is_first ? vec2(p.x, side) : vec2(side, side - p.x));
+  }
+  v_chart_0 = charts[0], v_chart_1 = charts[1], v_chart_2 = charts[2];
+}
 
 // Passes on what the ground's colour is made of, at a blended position.
 void passGround(vec4 p) {
@@ -18,5 +48,6 @@ void passGround(vec4 p) {
   v_up = u_frame == 2 ? (u_from_middle + p.xyz) * vec3(1.0, 1.0, u_round) : u_up;
   v_texture_coordinate = p;
   v_lattice = texture_coordinate - u_pivot;
+  if (u_frame == 2) passCharts();
   v_moved = mix(from_moved, to_moved, u_weight);
 }

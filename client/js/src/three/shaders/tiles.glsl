@@ -14,17 +14,28 @@ struct Texel {
   float opacity;  // 0: there is none
 };
 
+int g_face = 0;  // globe: the face that is drawn
+
+// Where the page table has a page (client/imagery/residency.h), whose x on a globe counts from the face's first one.
+ivec2 slotOf(ivec2 page, int bits) {
+  if (u_frame == 2) page += ivec2((g_face % 3 == 1 ? kPageSide / 2 : 0) + (bits < 4 ? g_face / 3 << bits : 0), g_face % 3 == 2 ? kPageSide / 2 : 0);
+  return page & (kPageSide - 1);
+}
+
 // The tile for a position, in texels of the finest level from the pivot. `wanted` is the level whose texels are a pixel large.
-Texel findTexel(highp usampler2D pages, int levels, ivec2 pivot, vec2 from_pivot, float wanted) {
+Texel findTexel(highp usampler2D pages, int levels, ivec2 size, ivec2 pivot, vec2 from_pivot, float wanted) {
   for (int level = clamp(int(floor(wanted)), 0, levels - 1); level < levels; ++level) {
     ivec2 corner = pivot >> level;
     vec2 from_corner = (vec2(pivot - (corner << level)) + from_pivot) / float(1 << level);
     ivec2 pivot_page = corner / int(kPayload);
     vec2 in_page = vec2(corner - pivot_page * int(kPayload)) + from_corner;
     vec2 pages_off = floor(in_page / kPayload);
+    int bits = levels - 1 - level;
+    // A face ends at its side, to the bit or not.
+    if (u_frame == 2) pages_off = clamp(pages_off, vec2(-pivot_page), vec2((((size - 1) >> level) / int(kPayload)) - pivot_page));
     in_page -= pages_off * kPayload;
-    ivec2 page = pivot_page + ivec2(pages_off);
-    ivec2 slot = page & (kPageSide - 1);
+    ivec2 page = pivot_page + ivec2(pages_off), slot = slotOf(page, bits);
+    if (u_frame == 2) page.x += g_face << bits;
     uvec4 entry = texelFetch(pages, ivec2(slot.x, slot.y + level * kPageSide), 0);
     if (entry.z == 0u || ivec2(entry.xy) != page / kPageSide) continue;
     float fade = entry.w == 1u ? 1.0 - u_weight : entry.w == 2u ? u_weight : 0.0;
@@ -63,6 +74,7 @@ uniform highp usampler2D u_relief_pages;
 uniform int u_relief_levels;     // 0: none
 uniform vec2 u_relief_pivot;     // the pivot in texels of the finest level: whole, and the rest
 uniform vec2 u_relief_rest;
+uniform vec4 u_relief_pivots[6];  // globe: both, of each face
 uniform float u_relief_density;  // texels a sample interval
 uniform vec2 u_relief_size;      // texels
 
@@ -71,6 +83,7 @@ uniform highp usampler2D u_imagery_pages;
 uniform int u_imagery_levels;
 uniform vec2 u_imagery_pivot;
 uniform vec2 u_imagery_rest;
+uniform vec4 u_imagery_pivots[6];
 uniform float u_imagery_density;
 uniform vec2 u_imagery_size;
 
@@ -78,6 +91,8 @@ uniform vec4 u_gradient;  // planar: what slopes along the lattice's x (xy) and 
 uniform vec2 u_geodetic;  // longitude from the origin's meridian, and latitude, of the pivot
 uniform vec2 u_geodetic_step;
 uniform float u_origin_latitude;
+uniform float u_face_steps; // globe: lattice steps a side of a face
+uniform vec2 u_pivots[6];   // globe: where on each face positions count from
 uniform vec2 u_ellipsoid;  // semi-major axis, metres; eccentricity squared
 
 vec3 planarNormal(vec2 slopes) {
@@ -97,6 +112,22 @@ vec3 geographicNormal(vec2 slopes, vec2 lattice) {
   return vec3(n.y, c0 * n.z - s0 * n.x, s0 * n.z + c0 * n.x);
 }
 
+// By the lattice's axes at a place of a face (proto/space/cube_map.h).
+vec3 globeNormal(vec2 slopes, vec2 lattice) {
+  const vec3 kEast[6] = vec3[](vec3(0, 1, 0), vec3(-1, 0, 0), vec3(-1, 0, 0), vec3(0, 0, -1), vec3(0, 0, -1), vec3(0, 1, 0));
+  const vec3 kNorth[6] = vec3[](vec3(0, 0, 1), vec3(0, 0, 1), vec3(0, -1, 0), vec3(0, -1, 0), vec3(1, 0, 0), vec3(1, 0, 0));
+  const float kFirst = 0.78539816, kThird = 0.1615, kFifth = 1.0 - kFirst - kThird;
+  vec2 s = (u_pivots[g_face] + lattice) * (2.0 / u_face_steps) - 1.0, s2 = s * s;
+  vec2 tangent = s * (kFirst + s2 * (kThird + s2 * kFifth)), growth = (kFirst + s2 * (3.0 * kThird + s2 * 5.0 * kFifth)) * (2.0 / u_face_steps);
+  vec3 east = kEast[g_face], north = kNorth[g_face], m = cross(east, north) + tangent.x * east + tangent.y * north;
+  vec3 squash = vec3(1.0, 1.0, 1.0 - u_ellipsoid.y), squashed = squash * m;
+  float w2 = dot(m, squashed), w = sqrt(w2);
+  vec3 x = (squash * east - squashed * (dot(squashed, east) / w2)) * (u_ellipsoid.x * growth.x / w);
+  vec3 y = (squash * north - squashed * (dot(squashed, north) / w2)) * (u_ellipsoid.x * growth.y / w);
+  vec3 up = normalize(m);
+  return normalize(cross(x + slopes.x * up, y + slopes.y * up));
+}
+
 struct Ground {
   vec3 normal;
   float height;
@@ -108,10 +139,11 @@ Ground groundAt(vec3 mesh_normal, float mesh_height, vec2 lattice, vec2 dx, vec2
   Ground ground = Ground(mesh_normal, mesh_height, 1.0);
   if (u_relief_levels == 0) return ground;
   float wanted = levelOf(dx * u_relief_density, dy * u_relief_density);
-  Texel texel = findTexel(u_relief_pages, u_relief_levels, ivec2(u_relief_pivot), u_relief_rest + lattice * u_relief_density, wanted);
+  vec4 pivot = u_frame == 2 ? u_relief_pivots[g_face] : vec4(u_relief_pivot, u_relief_rest);
+  Texel texel = findTexel(u_relief_pages, u_relief_levels, ivec2(u_relief_size), ivec2(pivot.xy), pivot.zw + lattice * u_relief_density, wanted);
   if (texel.opacity == 0.0) return ground;
   vec2 slopes = textureLod(u_relief, texel.at, texel.lod).xy;
-  vec3 normal = u_frame == 1 ? geographicNormal(slopes, lattice) : planarNormal(slopes);
+  vec3 normal = u_frame == 2 ? globeNormal(slopes, lattice) : u_frame == 1 ? geographicNormal(slopes, lattice) : planarNormal(slopes);
   vec4 bytes = textureLod(u_relief_ground, texel.at, texel.lod) * 255.0;
   vec2 heights = u_relief_code.x + u_relief_code.y * vec2(bytes.x + 256.0 * bytes.y, bytes.z + 256.0 * bytes.w);
   ground.normal = normalize(mix(mesh_normal, normal, texel.opacity));
@@ -135,11 +167,12 @@ vec3 tintAt(float height) {
 // Of the picture, linear; its alpha is 0 where there is none.
 vec4 pictureAt(vec2 lattice, vec2 dx, vec2 dy) {
   if (u_imagery_levels == 0) return vec4(0.0);
-  vec2 from_pivot = u_imagery_rest + lattice * u_imagery_density;
-  vec2 at = u_imagery_pivot + from_pivot;
-  if (any(lessThan(at, vec2(0.0))) || any(greaterThan(at, u_imagery_size))) return vec4(0.0);
+  vec4 pivot = u_frame == 2 ? u_imagery_pivots[g_face] : vec4(u_imagery_pivot, u_imagery_rest);
+  vec2 from_pivot = pivot.zw + lattice * u_imagery_density;
+  vec2 at = pivot.xy + from_pivot;
+  if (u_frame != 2 && (any(lessThan(at, vec2(0.0))) || any(greaterThan(at, u_imagery_size)))) return vec4(0.0);
   float wanted = levelOf(dx * u_imagery_density, dy * u_imagery_density);
-  Texel texel = findTexel(u_imagery_pages, u_imagery_levels, ivec2(u_imagery_pivot), from_pivot, wanted);
+  Texel texel = findTexel(u_imagery_pages, u_imagery_levels, ivec2(u_imagery_size), ivec2(pivot.xy), from_pivot, wanted);
   if (texel.opacity == 0.0) return vec4(0.0);
   vec4 colour = imageAt(u_imagery, texel, dx * u_imagery_density, dy * u_imagery_density);
   return vec4(colour.rgb, colour.a * texel.opacity);

@@ -7,8 +7,8 @@ void main() {
 #endif
   float distance_m = length(v_from_eye);
   vec3 direction = v_from_eye / distance_m;
-  vec2 dx = dFdx(v_lattice), dy = dFdy(v_lattice);
-  Ground ground = groundAt(normalize(v_normal), v_texture_coordinate.w, v_lattice, dx, dy);
+  vec2 lattice = latticeHere(), dx = dFdx(lattice), dy = dFdy(lattice);
+  Ground ground = groundAt(normalize(v_normal), v_texture_coordinate.w, lattice, dx, dy);
   float facing = max(-dot(ground.normal, direction), 0.12);
   float pixel_m = max(distance_m * u_pixel_rad / sqrt(facing), 1e-4);
   vec3 colour = lit(albedoOf(ground.normal, ground.height, pixel_m, dx, dy), normalize(vec3(ground.normal.xy, ground.normal.z / u_exaggeration)), ground.sunshine);
