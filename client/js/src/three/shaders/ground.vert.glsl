@@ -28,7 +28,7 @@ void setChart(inout vec4 charts[3], int face, vec2 place) {
 void passCharts() {
   vec4 charts[3] = vec4[](vec4(0.0), vec4(0.0), vec4(0.0));
   float side = u_face_steps;
-  int face = min(int(texture_coordinate.x / side), 5);
+  int face = min(int((texture_coordinate.x + 0.5) / side), 5);  // whatever a card makes of a whole quotient
   vec2 p = vec2(texture_coordinate.x - float(face) * side, texture_coordinate.y);
   bool is_first = face % 2 == 0;
   setChart(charts, face, p);
