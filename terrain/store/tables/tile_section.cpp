@@ -90,6 +90,7 @@ uint64_t TileSection::bytes() const {
 }
 
 Status TileSection::write(const std::function<Status(uint64_t offset, ByteSpan what)>& put) const {
+  if (layers_.empty()) return {};
   const uint64_t first_byte = bytes() - spool_.bytes();
   Bytes directory(first_byte), tile_bytes;
   uint8_t* at = directory.data();
