@@ -139,6 +139,7 @@ uint64_t TileSection::bytes() const {
 }
 
 Status TileSection::write(const std::function<Status(uint64_t offset, ByteSpan what)>& put) const {
+  if (layers_.empty()) return {};
   const uint64_t first_byte = bytes() - spool_.bytes();
   Bytes start_bytes(first_byte), tile_bytes;
   uint8_t* at = start_bytes.data();
