@@ -82,7 +82,7 @@ int run(const FlyOptions& o) {
                    "--occlusion on: this server leaves nothing out; start it with --occlusion auto, or fly with it"};
     if (o.exaggeration != 1 && welcomed.viewer().welcome()->shape.is_cube)
       return Error{ErrorCode::kUnsupported, "--exaggeration: a globe has no one direction of height"};
-    if (o.exaggeration != 1 && !o.truth.empty() && welcomed.viewer().welcome()->shape.sparse_levels > 0)
+    if (o.exaggeration != 1 && !o.afterwards.truth.empty() && welcomed.viewer().welcome()->shape.sparse_levels > 0)
       return Error{ErrorCode::kUnsupported,
                    "--exaggeration: ground that is fine in places is judged at its true heights; leave out --truth"};
     return afterwards->checkScene(welcomed.viewer());
