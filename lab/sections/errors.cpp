@@ -19,7 +19,8 @@ oracle::SceneOracle oracleOf(const server::Hierarchy& hierarchy) {
   std::shared_ptr<const terrain::Scene> scene(&hierarchy.scene(), [](const terrain::Scene*) {});
   const server::SceneObjects& objects = hierarchy.objects();
   oracle::ObjectsTruth truth = oracle::objectsTruth(objects.set, objects.nodes);
-  if (scene->grid().isCube()) return oracle::SceneOracle(oracle::GlobeOracle(scene), scene->frame(), std::move(truth));
+  if (scene->grid().isCube()) return oracle::SceneOracle(oracle::globeOracle(scene), scene->frame(), std::move(truth));
+  if (scene->isSparse()) return oracle::SceneOracle(oracle::sparseOracle(scene), scene->frame(), std::move(truth));
   return oracle::SceneOracle(oracle::truthOf(std::move(scene)), std::move(truth));
 }
 

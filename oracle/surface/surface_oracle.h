@@ -23,6 +23,7 @@
 #include <span>
 #include <vector>
 
+#include "oracle/stretch.h"
 #include "proto/space/pose.h"
 
 namespace foreland::oracle {

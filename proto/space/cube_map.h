@@ -34,8 +34,8 @@ inline glm::dvec3 cubeVector(const CubePoint& p) { return cubeVector(p.face, cub
 // Of a vector of any length but 0; on edges and corners the lowest axis's face.
 CubePoint cubePoint(const glm::dvec3& vector);
 
-// Of a face the point that is nearest to a vector beyond one of its sides, and about the nearest beyond a corner. Nothing
-// of vectors that are far away.
+// Of a face the point that is nearest to a vector beyond one of its sides, and about the nearest beyond a corner.
+// Nothing of vectors that are far away.
 std::optional<CubePoint> cubePointOn(uint32_t face, const glm::dvec3& vector);
 
 // A body of revolution.

@@ -18,8 +18,8 @@ namespace foreland::terrain {
 
 struct GlobeOptions {
   std::filesystem::path output;
-  double height_quantum_m = 0.1;         // heights become whole quanta: each moves by at most half of one
-  unsigned threads = 0;                  // 0: one per processor
+  double height_quantum_m = 0.1;  // heights become whole quanta: each moves by at most half of one
+  unsigned threads = 0;           // 0: one per processor
   PageCoding page_coding = PageCoding::kPlain;
   std::vector<ObjectRequest> objects{};  // that stand on it, at latitudes and longitudes
   const GlobePicture* picture = nullptr;

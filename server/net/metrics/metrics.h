@@ -84,7 +84,7 @@ struct ServerState {
   double load = 0;
   size_t queue_depth = 0;
   const Histogram* lateness = nullptr;
-  std::optional<CodedPageCounts> coded_pages{};  // of scenes whose pages are coded
+  std::optional<CodedPageCounts> coded_pages{};                     // of scenes whose pages are coded
   std::vector<std::pair<std::string, int64_t>> viewers_by_scene{};  // of a server with several scenes
 };
 

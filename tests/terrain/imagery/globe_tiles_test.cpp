@@ -112,7 +112,7 @@ class GlobeTiles : public testing::Test {
     origin.title = "globe";
     const auto report = buildSparseScene(
         {grid, bare->frame(), pages, [&](proto::NodeId n) { return bare->height(n); }},
-        {file, 2, origin, {}, [&](const StoredHeights& ground, SceneWriter::About& about) {
+        {file, 2, origin, {}, PageCoding::kPlain, [&](const StoredHeights& ground, SceneWriter::About& about) {
            tiles.emplace(std::move(TileSection::create(file).value()));
            const proto::Frame& frame = bare->frame();
            const SparseGroundBounds bounds(ground, frame);
