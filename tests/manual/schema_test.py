@@ -96,7 +96,7 @@ class Schema(unittest.TestCase):
             self.assertEqual(list(faults(tomllib.loads(printed), SCHEMA)), [])
         self.assertEqual(tomllib.loads(printed)["tau"], 0.5)
         self.assertEqual(tomllib.loads(printed)["allow-origin"], ["https://a", "https://b"])
-        self.assertEqual(tomllib.loads(printed)["SCENE"], 'a "b".fls')
+        self.assertEqual(tomllib.loads(printed)["SCENE"], ['a "b".fls'])
 
     def test_right_values_are_taken_by_both(self):
         for key, schema in SCHEMA["properties"].items():
