@@ -50,7 +50,8 @@ TEST(Flight, KeepsTheToleranceOfThePictureWhereHeightsAreTaller) {
   client::FlightLog as_asked = flight.player.log();
   as_asked.options.exaggeration = {};
   SceneOracle oracle(truthOf(alps()));
-  const FlightTruth asked = measureFlight(as_asked, oracle, {.frame_every = 20, .sections = apps::exactSectionsOf(alps())});
+  const FlightTruth asked =
+      measureFlight(as_asked, oracle, {.frame_every = 20, .sections = apps::exactSectionsOf(alps())});
   EXPECT_LE(asked.frames.max_px, 1 / options.exaggeration.finer + kSlack_px);
   EXPECT_GT(truth.frames.max_px, 2 * asked.frames.max_px);
   EXPECT_EQ(truth.frames_over_tau, 0u) << truth.frames.max_px;
