@@ -9,10 +9,12 @@ namespace {
 
 // 16384 / 2^(i / 4), in numbers that are the same on every machine.
 constexpr std::array<uint16_t, 28> kRarer = [] {
-  constexpr std::array<double, 4> kQuarters{1.0, 0.8408964152537145, 0.7071067811865476, 0.5946035575013605};
+  constexpr std::array<uint32_t, 4> kQuarters{262144, 220436, 185364, 155872};  // of 2^18
   std::array<uint16_t, 28> rarer{};
-  for (size_t i = 0; i < rarer.size(); ++i)
-    rarer[i] = static_cast<uint16_t>(static_cast<double>(16384u >> (i / 4)) * kQuarters[i % 4] + 0.5);
+  for (size_t i = 0; i < rarer.size(); ++i) {
+    const size_t shift = 4 + i / 4;
+    rarer[i] = static_cast<uint16_t>((kQuarters[i % 4] + (1u << (shift - 1))) >> shift);
+  }
   return rarer;
 }();
 
