@@ -9,10 +9,10 @@ namespace {
 
 // 16384 / 2^(i / 4), in numbers that are the same on every machine.
 constexpr std::array<uint16_t, 28> kRarer = [] {
-  constexpr std::array<uint32_t, 4> kQuarters{262144, 220436, 185364, 155872};  // of 2^18
+  constexpr std::array<uint32_t, 4> kQuarters{1073741824, 902905651, 759250125, 638450708};  // of 2^30
   std::array<uint16_t, 28> rarer{};
   for (size_t i = 0; i < rarer.size(); ++i) {
-    const size_t shift = 4 + i / 4;
+    const size_t shift = 16 + i / 4;
     rarer[i] = static_cast<uint16_t>((kQuarters[i % 4] + (1u << (shift - 1))) >> shift);
   }
   return rarer;
