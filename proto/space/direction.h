@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <glm/vec3.hpp>
 
 namespace foreland::proto {
 
