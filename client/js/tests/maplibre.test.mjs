@@ -89,7 +89,7 @@ async function helpers() {
       const compile = material.onBeforeCompile;
       material.onBeforeCompile = (shader, ...rest) => {
         compile(shader, ...rest);
-        shader.fragmentShader = shader.fragmentShader.replace('#include <dithering_fragment>', 'if (u_tells_place) gl_FragColor = vec4(v_lattice, v_texture_coordinate.z, 1.0);').replace('void main()', 'uniform bool u_tells_place;\nvoid main()');
+        shader.fragmentShader = shader.fragmentShader.replace('#include <dithering_fragment>', 'if (u_tells_place) gl_FragColor = vec4(v_lattice, v_texture_coordinate.w, 1.0);').replace('void main()', 'uniform bool u_tells_place;\nvoid main()');
         shader.uniforms.u_tells_place = material.tells_place;
       };
       material.customProgramCacheKey = () => 'tells place';

@@ -72,7 +72,7 @@ async function prepare() {
     const vec3 kColours[6] = vec3[](vec3(0.044, 0.084, 0.039), vec3(0.089, 0.141, 0.060), vec3(0.205, 0.202, 0.091), vec3(0.223, 0.147, 0.084), vec3(0.159, 0.125, 0.102), vec3(0.314, 0.292, 0.271));
     void main() {
       vec3 normal = normalize(cross(dFdx(v_from_eye), dFdy(v_from_eye))), up = upAt(v_lattice);
-      float t = (v_texture_coordinate.z - u_heights.x) / (u_heights.y - u_heights.x), steepness = 1.0 - dot(normal, up), at = clamp(t, 0.0, 1.0) * 5.0;
+      float t = (v_texture_coordinate.w - u_heights.x) / (u_heights.y - u_heights.x), steepness = 1.0 - dot(normal, up), at = clamp(t, 0.0, 1.0) * 5.0;
       int i = min(int(at), 4);
       vec3 bare = mix(mix(kColours[i], kColours[i + 1], smoothstep(0.0, 1.0, at - float(i))), vec3(0.15, 0.13, 0.115), smoothstep(0.20, 0.42, steepness));
       vec3 albedo = mix(bare, vec3(0.80, 0.84, 0.90), smoothstep(0.70, 0.80, t) * (1.0 - smoothstep(0.26, 0.44, steepness)));
