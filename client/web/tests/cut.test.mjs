@@ -83,7 +83,7 @@ const visit = (query, body, options = {}) =>
   visitPage(browser, new URL(`?sharpness=0.5&tau=2&fog=0&relief=0&ground=plain&${kView}&${query}`, server.url), body, { width: 960, height: 640, ...options });
 // Where neither panel nor bar is: colours of the picture, from above to below, in the middle of the window.
 async function column(page) {
-  const picture = await page.screenshot({ clip: { x: 500, y: 150, width: 1, height: 420 } });
+  const picture = await page.screenshot({ clip: { x: 500, y: 150, width: 1, height: 400 } });
   return page.evaluate(async (url) => {
     const image = await createImageBitmap(new Blob([Uint8Array.from(atob(url.split(',')[1]), (c) => c.charCodeAt(0))]));
     const context = new OffscreenCanvas(1, image.height).getContext('2d');
