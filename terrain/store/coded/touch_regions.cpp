@@ -21,11 +21,12 @@ struct Region {
 };
 std::array<Region, 64> regions;
 std::mutex regions_mutex;  // of those who write
-struct sigaction before {};
+struct sigaction action_before {};
 
 void passOn(int signal, siginfo_t* about, void* context) {
-  if (before.sa_flags & SA_SIGINFO) return before.sa_sigaction(signal, about, context);
-  if (before.sa_handler != SIG_DFL && before.sa_handler != SIG_IGN) return before.sa_handler(signal);
+  if (action_before.sa_flags & SA_SIGINFO) return action_before.sa_sigaction(signal, about, context);
+  if (action_before.sa_handler != SIG_DFL && action_before.sa_handler != SIG_IGN)
+    return action_before.sa_handler(signal);
   ::signal(SIGSEGV, SIG_DFL);  // the load is done again, and ends the program
 }
 
@@ -57,7 +58,7 @@ void install() {
     struct sigaction action {};
     action.sa_sigaction = onFault;
     action.sa_flags = SA_SIGINFO | SA_NODEFER;
-    CHECK_EQ(::sigaction(SIGSEGV, &action, &before), 0);
+    CHECK_EQ(::sigaction(SIGSEGV, &action, &action_before), 0);
   });
 }
 
