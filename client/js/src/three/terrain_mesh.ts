@@ -57,6 +57,10 @@ export class TerrainMesh {
     this.contour_m = niceStep(relief_m / 60);
     this.max_moved_m = welcome.max_moved_m;
     this.uniforms.u_north!.value.set(...north);
+    const material = this.surface.material as THREE.Material;
+    if (!is_globe || material.defines?.GLOBE !== undefined) return;
+    material.defines = { ...material.defines, GLOBE: '' };
+    material.needsUpdate = true;
   }
 
   show(style: Style): void {

@@ -1,10 +1,12 @@
 // The colour of the ground: as it may look, by the picture that is laid over it, or by what is known of it.
 in vec2 v_lattice;              // position on the lattice, from the pivot
+#ifdef GLOBE
 in vec4 v_chart_0;              // globe: position on a face from its pivot, the face, and 1 if the vertex lies on it; else zeros
 in vec4 v_chart_1;
 in vec4 v_chart_2;
-in vec3 v_normal;               // of the mesh, in the scene's axes
 in vec3 v_up;                   // away from the zero surface; of any length
+#endif
+in vec3 v_normal;               // of the mesh, in the scene's axes
 in vec4 v_texture_coordinate;   // from the mesh's origin; height
 in float v_moved;               // metres upwards since the first epoch
 uniform vec3 u_palette[6];    // from the lowest ground to the highest
@@ -20,11 +22,14 @@ uniform vec3 u_north;         // the earth's axis, or north on the map
 
 // Position on the lattice, from the pivot; on a globe on the face that all corners of the triangle lie on, from the face's pivot.
 vec2 latticeHere() {
-  if (u_frame != 2) return v_lattice;
+#ifdef GLOBE
   vec3 off = abs(vec3(v_chart_0.w, v_chart_1.w, v_chart_2.w) - 1.0);
   vec4 chart = off.x <= min(off.y, off.z) ? v_chart_0 : off.y <= off.z ? v_chart_1 : v_chart_2;
   g_face = int(chart.z + 0.5);
   return chart.xy;
+#else
+  return v_lattice;
+#endif
 }
 
 float hash(ivec2 p) {
@@ -60,7 +65,7 @@ float mottling(vec2 position, float pixel_m) {
 // On a globe by the planes that its axes stand on, mixed where they meet.
 float mottlingHere(vec3 up, float pixel_m) {
   vec3 at = v_texture_coordinate.xyz + u_origin_tile;
-  if (u_frame != 2) return mottling(at.xy, pixel_m);
+  if (!IS_GLOBE) return mottling(at.xy, pixel_m);
   vec3 weights = up * up * up * up;
   weights *= weights;
   weights /= weights.x + weights.y + weights.z;
@@ -88,7 +93,9 @@ float contour(float height) {
 
 // Away from the zero surface, where the ground is.
 vec3 upAt(vec2 lattice) {
-  if (u_frame == 2) return normalize(v_up);
+#ifdef GLOBE
+  return normalize(v_up);
+#endif
   return u_frame == 1 ? geographicNormal(vec2(0.0), lattice) : vec3(0.0, 0.0, 1.0);
 }
 
@@ -126,7 +133,11 @@ vec3 seaColour(float depth_m) {
 }
 
 vec3 groundColour(vec3 normal, float height, float pixel_m) {
-  vec3 up = u_frame == 2 ? normalize(v_up) : u_up;
+#ifdef GLOBE
+  vec3 up = normalize(v_up);
+#else
+  vec3 up = u_up;
+#endif
   if (u_has_sea == 1 && height < 0.0) return seaColour(-height);
   float span = max(u_heights.y - u_heights.x, 1e-3);
   float mottle = mottlingHere(up, pixel_m);

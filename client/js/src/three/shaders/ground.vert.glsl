@@ -9,14 +9,17 @@ uniform vec2 u_pivot;        // a whole position near the eye
 uniform float u_face_steps;  // globe: lattice steps a side of a face
 uniform vec2 u_pivots[6];    // globe: of each face a whole position near the eye
 out vec2 v_lattice;          // from the pivot
+#ifdef GLOBE
 out vec4 v_chart_0;          // globe: see latticeHere()
 out vec4 v_chart_1;
 out vec4 v_chart_2;
+out vec3 v_up;               // away from the zero surface; of any length
+#endif
 out float v_moved;
 out vec3 v_normal;
-out vec3 v_up;               // away from the zero surface; of any length
 out vec4 v_texture_coordinate;  // from the mesh's origin; height
 
+#ifdef GLOBE
 // A vertex on an edge or in a corner of the cube lies on two or three faces (proto/topology/cube.h), and its name is that of one. So all
 // places of it are passed on, of faces 0 and 3 on the first chart, of 1 and 4 on the second, of 2 and 5 on the third: no vertex is on both.
 void setChart(inout vec4 charts[3], int face, vec2 place) {
@@ -41,13 +44,16 @@ void passCharts() {
   }
   v_chart_0 = charts[0], v_chart_1 = charts[1], v_chart_2 = charts[2];
 }
+#endif
 
 // Passes on what the ground's colour is made of, at a blended position.
 void passGround(vec4 p) {
   v_normal = mix(from_normal, to_normal, u_weight);
-  v_up = u_frame == 2 ? (u_from_middle + p.xyz) * vec3(1.0, 1.0, u_round) : u_up;
   v_texture_coordinate = p;
   v_lattice = texture_coordinate - u_pivot;
-  if (u_frame == 2) passCharts();
+#ifdef GLOBE
+  v_up = (u_from_middle + p.xyz) * vec3(1.0, 1.0, u_round);
+  passCharts();
+#endif
   v_moved = mix(from_moved, to_moved, u_weight);
 }

@@ -18,7 +18,7 @@ int g_face = 0;  // globe: the face that is drawn
 
 // Where the page table has a page (client/imagery/residency.h), whose x on a globe counts from the face's first one.
 ivec2 slotOf(ivec2 page, int bits) {
-  if (u_frame == 2) page += ivec2((g_face % 3 == 1 ? kPageSide / 2 : 0) + (bits < 4 ? g_face / 3 << bits : 0), g_face % 3 == 2 ? kPageSide / 2 : 0);
+  if (IS_GLOBE) page += ivec2((g_face % 3 == 1 ? kPageSide / 2 : 0) + (bits < 4 ? g_face / 3 << bits : 0), g_face % 3 == 2 ? kPageSide / 2 : 0);
   return page & (kPageSide - 1);
 }
 
@@ -32,10 +32,10 @@ Texel findTexel(highp usampler2D pages, int levels, ivec2 size, ivec2 pivot, vec
     vec2 pages_off = floor(in_page / kPayload);
     int bits = levels - 1 - level;
     // A face ends at its side, to the bit or not.
-    if (u_frame == 2) pages_off = clamp(pages_off, vec2(-pivot_page), vec2((((size - 1) >> level) / int(kPayload)) - pivot_page));
+    if (IS_GLOBE) pages_off = clamp(pages_off, vec2(-pivot_page), vec2((((size - 1) >> level) / int(kPayload)) - pivot_page));
     in_page -= pages_off * kPayload;
     ivec2 page = pivot_page + ivec2(pages_off), slot = slotOf(page, bits);
-    if (u_frame == 2) page.x += g_face << bits;
+    if (IS_GLOBE) page.x += g_face << bits;
     uvec4 entry = texelFetch(pages, ivec2(slot.x, slot.y + level * kPageSide), 0);
     if (entry.z == 0u || ivec2(entry.xy) != page / kPageSide) continue;
     float fade = entry.w == 1u ? 1.0 - u_weight : entry.w == 2u ? u_weight : 0.0;
@@ -139,11 +139,11 @@ Ground groundAt(vec3 mesh_normal, float mesh_height, vec2 lattice, vec2 dx, vec2
   Ground ground = Ground(mesh_normal, mesh_height, 1.0);
   if (u_relief_levels == 0) return ground;
   float wanted = levelOf(dx * u_relief_density, dy * u_relief_density);
-  vec4 pivot = u_frame == 2 ? u_relief_pivots[g_face] : vec4(u_relief_pivot, u_relief_rest);
+  vec4 pivot = IS_GLOBE ? u_relief_pivots[g_face] : vec4(u_relief_pivot, u_relief_rest);
   Texel texel = findTexel(u_relief_pages, u_relief_levels, ivec2(u_relief_size), ivec2(pivot.xy), pivot.zw + lattice * u_relief_density, wanted);
   if (texel.opacity == 0.0) return ground;
   vec2 slopes = textureLod(u_relief, texel.at, texel.lod).xy;
-  vec3 normal = u_frame == 2 ? globeNormal(slopes, lattice) : u_frame == 1 ? geographicNormal(slopes, lattice) : planarNormal(slopes);
+  vec3 normal = IS_GLOBE ? globeNormal(slopes, lattice) : u_frame == 1 ? geographicNormal(slopes, lattice) : planarNormal(slopes);
   vec4 bytes = textureLod(u_relief_ground, texel.at, texel.lod) * 255.0;
   vec2 heights = u_relief_code.x + u_relief_code.y * vec2(bytes.x + 256.0 * bytes.y, bytes.z + 256.0 * bytes.w);
   ground.normal = normalize(mix(mesh_normal, normal, texel.opacity));
@@ -167,10 +167,10 @@ vec3 tintAt(float height) {
 // Of the picture, linear; its alpha is 0 where there is none.
 vec4 pictureAt(vec2 lattice, vec2 dx, vec2 dy) {
   if (u_imagery_levels == 0) return vec4(0.0);
-  vec4 pivot = u_frame == 2 ? u_imagery_pivots[g_face] : vec4(u_imagery_pivot, u_imagery_rest);
+  vec4 pivot = IS_GLOBE ? u_imagery_pivots[g_face] : vec4(u_imagery_pivot, u_imagery_rest);
   vec2 from_pivot = pivot.zw + lattice * u_imagery_density;
   vec2 at = pivot.xy + from_pivot;
-  if (u_frame != 2 && (any(lessThan(at, vec2(0.0))) || any(greaterThan(at, u_imagery_size)))) return vec4(0.0);
+  if (!IS_GLOBE && (any(lessThan(at, vec2(0.0))) || any(greaterThan(at, u_imagery_size)))) return vec4(0.0);
   float wanted = levelOf(dx * u_imagery_density, dy * u_imagery_density);
   Texel texel = findTexel(u_imagery_pages, u_imagery_levels, ivec2(u_imagery_size), ivec2(pivot.xy), from_pivot, wanted);
   if (texel.opacity == 0.0) return vec4(0.0);
