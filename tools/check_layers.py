@@ -25,7 +25,7 @@ PROTO = ["base", *PROTO_ROOMS]
 SEES = {"base": [], "transport": ["base"]}
 for at, room in enumerate(PROTO_ROOMS):
     SEES[room] = ["base", *PROTO_ROOMS[:at]]
-STORE = ["terrain/store/file", "terrain/store/tables", "terrain/store/coded", "terrain/store"]
+STORE = ["terrain/store/file", "terrain/store/tables", "terrain/store/coded", "terrain/store/distant", "terrain/store"]
 SEES |= {
     "terrain": PROTO,  # elevation_source.h and its like: what the rooms below share
     "terrain/fence": ["base"],  # what keeps readers of foreign files to what the user meant
@@ -33,7 +33,9 @@ SEES |= {
     "terrain/store/file": [*PROTO, "terrain"],
     "terrain/store/tables": [*PROTO, "terrain", "terrain/store/file"],
     "terrain/store/coded": [*PROTO, "terrain", "terrain/store/file"],
-    "terrain/store": [*PROTO, "terrain", "terrain/store/file", "terrain/store/tables", "terrain/store/coded"],
+    "terrain/store/distant": [*PROTO, "terrain", "terrain/store/file"],
+    "terrain/store": [*PROTO, "terrain", "terrain/store/file", "terrain/store/tables", "terrain/store/coded", "terrain/store/distant"],
+    "terrain/fetch": ["base", "terrain/store/distant"],  # stores at a distance; knows no scene
     "terrain/bounds": [*PROTO, "terrain", *STORE],
     "terrain/epochs": [*PROTO, "terrain", *STORE, "terrain/bounds"],
     "terrain/imagery": [*PROTO, "terrain", "terrain/geo", *STORE, "terrain/bounds"],
@@ -122,6 +124,7 @@ THIRD_PARTY = [
     (r"pugi(xml|config)\.hpp$", "pugixml", ["client/fly/tracks", *TESTS]),
     (r"GeographicLib/", "GeographicLib", ["terrain/geo", *TESTS]),
     (r"proj(_experimental|_constants)?\.h$", "PROJ", ["terrain/geoid", *TESTS]),
+    (r"curl/", "libcurl", ["terrain/fetch", *TESTS]),
     (r"embree\d?/", "Embree", ["server/embree", "server/occlusion", "server/occlusion/objects", "server/sight", "terrain/render", *TESTS]),
     (r"boost/", "Boost", ["transport", "server/net/http", "server/net/access", "server/net", "client/fly/net", "lab/load", "lab/proxy", *EDGES]),
     (r"openssl/", "OpenSSL", ["transport", "server/net/access", *EDGES]),

@@ -16,7 +16,7 @@ readonly build_packages=(
   libgeographiclib-dev
   libglm-dev
   libembree-dev libtbb-dev
-  libboost1.74-dev libssl-dev
+  libboost1.74-dev libssl-dev libcurl4-openssl-dev
   libflatbuffers-dev flatbuffers-compiler
   libzstd-dev libxxhash-dev
   libspdlog-dev libfmt-dev libcli11-dev nlohmann-json3-dev libtomlplusplus-dev

@@ -83,7 +83,7 @@ MUTATIONS = [
     # the codec
     of("height: prediction", "proto/codec", "3 * curve()", "2 * curve()", DELTA),
     of("decision: context", "proto/codec", "(2 * before_ + (got ? 1 : 0)) & 3", "(2 * before_ + (got ? 1 : 0)) & 1", DELTA),
-    of("height: displacement", "proto/codec/delta_codec", "height - record.middle()", "height", DELTA),
+    of("height: displacement", "proto/section/bounds.h", "height - middle(), {}, radius()", "height, {}, radius()", DELTA),
     of("refusals: of all", "proto/codec/delta_codec", "any |= is_rejected & decisions[end];", "any |= 0;", DELTA),
     of("section: closure dropped", "proto/codec/section_codec", "(has_all ? page.candidates : page.half).set(low);",
        "page.candidates.set(low);", "proto_test:HeldSectionsCodec*"),

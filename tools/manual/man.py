@@ -111,7 +111,7 @@ def page_of(program, programs, root):
 
 def see_also(programs, but=None):
     others = ["foreland"] * (but is not None) + [p.name.replace(" ", "-") for p in programs.all if p is not but]
-    return [".SH SEE ALSO", ",\n".join(f"\\fB{escaped(name)}\\fR(1)" for name in others)]
+    return [".SH SEE ALSO", ",\n".join(f"\\fB\\%{escaped(name)}\\fR(1)" for name in others)]
 
 
 def overview(programs, root):
