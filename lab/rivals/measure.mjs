@@ -12,6 +12,7 @@ import { countTraffic, openBrowser } from './browser.mjs';
 import { earthOf } from './earth.mjs';
 import { readGround } from './ground.mjs';
 import { cameraOf, pointsSeen } from './judge.mjs';
+import { between, processorTimes } from './processor_times.mjs';
 import { startLink, startNginx, startServer } from './programs.mjs';
 import { coarserTolerance, kRivals, overForeland } from './rivals.mjs';
 import { rgbSource } from './terrain_rgb.mjs';
@@ -33,7 +34,11 @@ function pointsOf(plan, ground, earth) {
 async function flyOne(browser, context, { name, page: page_name, quality, port, options }) {
   const { page, pages_url, plan, points } = context;
   const traffic = await countTraffic(page, port);
-  await page.exposeFunction('mark', traffic.mark);
+  const processors = {};
+  await page.exposeFunction('mark', async (name) => {
+    processors[name] = await processorTimes();
+    traffic.mark(name);
+  });
   const complaints = [];
   page.on('pageerror', (error) => complaints.push(error.message));
   page.on('console', (message) => message.type() === 'error' && complaints.push(message.text()));
@@ -46,6 +51,7 @@ async function flyOne(browser, context, { name, page: page_name, quality, port, 
     rival: name, quality,
     bytes: flown.bytes - begun.bytes, bytes_first_view: complete.bytes - begun.bytes, bytes_after_jump: jumped.bytes - flown.bytes,
     requests: flown.requests + flown.messages_up - begun.requests - begun.messages_up, from_cache: flown.from_cache, failed: flown.failed,
+    processor_s: between(processors.complete, processors.flown),
     ...figures, complaints,
   };
 }

@@ -2,6 +2,7 @@
 import * as THREE from 'three';
 import { Terrain } from '@foreland/client';
 import { ForelandTerrain } from '@foreland/client/three';
+import { MeshJournal } from './mesh_journal.mjs';
 
 export async function open({ plan, ground, lens, size, quality, server, predictor }) {
   const renderer = new THREE.WebGLRenderer();
@@ -13,31 +14,39 @@ export async function open({ plan, ground, lens, size, quality, server, predicto
   const tolerance_px = (quality * size.height) / lens.height_px; // the canvas is so much smaller than the lens
   const updates = [], wasm = await WebAssembly.compileStreaming(fetch('/client/foreland.wasm'));
   const held = { version: 0, arrays: {}, origin: null, next: 0 };
-  let terrain = null, drawn = null, frame = null, is_announced = false;
+  const journal = new MeshJournal();
+  let terrain = null, drawn = null, frame = null, card = null, begun_ms = 0;
   return {
     async begin() {
-      terrain = await Terrain.open(server, { tolerancePx: tolerance_px, predictor, wasm, keyframeMs: plan.keyframe_ms, relief: false, imagery: false, lens: { fovY: lens.fov_rad, ...size } });
+      terrain = await Terrain.open(server, { tolerancePx: tolerance_px, predictor, wasm, worker: new URL('timed_worker.mjs', import.meta.url), keyframeMs: plan.keyframe_ms, relief: false, imagery: false, lens: { fovY: lens.fov_rad, ...size } });
       const attach = terrain.attach.bind(terrain);
       // What is drawn is kept, to be judged afterwards.
-      terrain.attach = (sink) => attach(new Proxy(sink, { get: (to, name) => (name === 'add' ? (update) => (updates.push(update), to.add(update)) : typeof to[name] === 'function' ? to[name].bind(to) : to[name]) }));
+      const add = (update) => (journal.add(update, performance.now()), updates.push(update), card.add(update));
+      terrain.attach = (sink) => attach(new Proxy((card = sink), { get: (to, name) => (name === 'add' ? add : typeof to[name] === 'function' ? to[name].bind(to) : to[name]) }));
       drawn = new ForelandTerrain(terrain, { renderer });
       scene.add(drawn);
     },
     beginFlight(start) {
+      begun_ms = start;
       if (predictor === 'path') terrain.announcePath(plan.poses, { start, stepMs: 1000 / plan.poses_per_s });
     },
-    show({ eye, orientation }) {
+    show({ eye, orientation }, now) {
       if (!drawn) return;
+      const begun = performance.now();
       drawn.poseCamera(camera, { eye, orientation });
       Object.assign(camera, drawn.depthRange(eye));
       camera.updateProjectionMatrix();
       camera.updateMatrixWorld();
-      frame = drawn.update(camera, performance.now());
+      frame = drawn.update(camera, now);
       renderer.render(scene, camera);
+      const over = performance.now();
+      journal.frame(card.ready, frame, over, over - begun);
     },
     jump: () => terrain.jump(),
     isComplete: () => frame !== null && frame.guaranteedPx !== null && frame.guaranteedPx <= 1.001 * tolerance_px,
-    snapshot: () => ({ version: frame.version, weight: frame.weight }),
+    snapshot: () => ({ version: frame.version, weight: frame.weight, guaranteed_px: frame.guaranteedPx }),
+    reportSince: (time) => journal.reportSince(time),
+    report: (shown) => ({ stages: journal.report(begun_ms), outside_share: shown.filter(({ snapshot }) => snapshot.guaranteed_px === null).length / shown.length }),
     meshesOf,
   };
 

@@ -9,6 +9,9 @@ import { axesOf, earthOf } from '../earth.mjs';
 import { groundOf } from '../ground.mjs';
 import { cameraOf, compare, drawnBy, indexMesh, pointsSeen } from '../judge.mjs';
 import { finestLevel, heightError, kCells, layerJson, tileBounds, tilesOver } from '../quantized_mesh.mjs';
+import { MeshJournal } from '../pages/mesh_journal.mjs';
+import { poseBetween } from '../poses.mjs';
+import { between } from '../processor_times.mjs';
 import { coarserTolerance, overForeland } from '../rivals.mjs';
 import { decodeTexel, finestRgbLevel, kStep_m, kTexels, losslessWebp, rgbTexels, rgbTilesOver } from '../terrain_rgb.mjs';
 
@@ -157,4 +160,35 @@ test('bytes at equal error lie on the line of the logarithms between two flights
   assert.ok(Math.abs(coarser.bytes_over_foreland - 10 * 3 ** 1.5) < 1e-9);
   assert.ok(Math.abs(coarser.at_rms_px - 0.3) < 1e-12);
   assert.equal(coarserTolerance(theirs, [{ quality: 1, rms_px: 0.5, bytes: 1 }]), null);
+});
+
+test('a pose between two is unit, at the ends theirs, and turns the shorter way', () => {
+  const [from, to] = [pose(0.1), pose(0.5)], back = { ...to, orientation: to.orientation.map((v) => -v) };
+  for (const goal of [to, back])
+    for (const share of [0, 0.25, 0.5, 1]) {
+      const { eye, orientation } = poseBetween(from, goal, share), wanted = pose(0.1 + 0.4 * share);
+      assert.ok(Math.abs(Math.hypot(...orientation) - 1) < 1e-12);
+      const forward = (q) => axesOf(q).forward;
+      assert.ok(Math.hypot(...forward(orientation).map((v, i) => v - forward(wanted.orientation)[i])) < 1e-9, `share ${share}`);
+      assert.deepEqual(eye, from.eye.map((v, i) => v + (goal.eye[i] - v) * share));
+    }
+});
+
+// Meshes of 200 ms, each of which is given 50 ms before it is needed, and takes 30, 10, 5 and 65 ms.
+test('a journal tells what each stage of a mesh takes, and how late that makes it', () => {
+  const journal = new MeshJournal(), ofWorker = (time) => performance.timeOrigin + time;
+  for (let i = 1; i <= 10; ++i) {
+    const needed = 200 * i, given = needed - 50, times = { given: ofWorker(given), made: ofWorker(given + 30), posted: ofWorker(given + 40) };
+    journal.add({ version: i, to_time_ms: needed + 200, times, terrain: { channels: { index: { data: new Uint32Array(6), ranges: Uint32Array.of(0, 3, 9, 12) } } } }, given + 45);
+    for (const [frame, ready] of [[given + 45, i - 1], [given + 110, i]]) journal.frame(ready, { version: ready, guaranteedPx: 1 }, frame, 2);
+  }
+  const { meshes, bytes, calls, frame_work_ms, decoded, copied, posted, uploaded, late_in_worker, late_in_page, late_on_card } = journal.report(1000);
+  assert.deepEqual([meshes, bytes, calls, frame_work_ms], [5, 24, 2, 2]);
+  const about = (stage, ms) => (assert.ok(Math.abs(stage.mean_ms - ms) < 0.11), assert.ok(Math.abs(stage.p90_ms - ms) < 0.11));
+  for (const [stage, ms] of [[decoded, 30], [copied, 10], [posted, 5], [uploaded, 65], [late_in_worker, -50], [late_in_page, -5], [late_on_card, 60]]) about(stage, ms);
+  assert.deepEqual(journal.reportSince(1900, 1), [{ given: 50, made: 80, posted: 90, came: 95, on_card: 160, shown: 160, guaranteed_px: 1, bytes: 24 }]);
+});
+
+test('processor time is told by who took it, the most first', () => {
+  assert.deepEqual(Object.entries(between({ a: 1, b: 2 }, { a: 1.5, b: 4, c: 0.01, d: 0.3 })), [['b', 2], ['a', 0.5], ['d', 0.3]]);
 });
