@@ -38,6 +38,7 @@ constexpr std::array kSubcommands{
     Subcommand{"remesh", "make a surface file from a polygon model"},
     Subcommand{"info", "print what a scene or surface file holds"},
     Subcommand{"verify", "check a file's checksums and invariants"},
+    Subcommand{"sums", "make checksums of a scene that is to be served from a store"},
     Subcommand{"serve", "serve a scene to viewers, and the page that shows it"},
     Subcommand{"token", "make a token with which viewers may connect"},
     Subcommand{"link", "let connections to a server be as slow as over a real network", Part::kLaboratory},

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <limits>
 
@@ -41,6 +42,19 @@ GroundPatch takePatch(ByteReader& in) {
       .low = in.get<glm::dvec2>(), .spacing = in.get<double>(), .columns = in.get<uint32_t>(), .heights_m = {}};
   patch.heights_m = takeSome<float>(in);
   return patch;
+}
+
+// Where samples are that lie beside an eye's: all of them; of a globe those of its face, for beyond a face's sides the
+// lattice has other ground.
+proto::LatticeBox samplesAbout(const proto::GridShape& shape, const proto::LatticePosition& eye) {
+  if (!shape.is_cube) return {{0, 0}, {shape.samples_x - 1.0, shape.samples_y - 1.0}};
+  const double side = shape.samples_y - 1.0, face = std::clamp(std::floor(eye.x / side), 0.0, 5.0);
+  return {{face * side, 0}, {(face + 1) * side, side}};
+}
+// As it is asked for: of a face's east side, which positions name as another face's, what lies just inside.
+glm::dvec2 askedFor(const proto::GridShape& shape, glm::dvec2 sample, const proto::LatticeBox& of) {
+  constexpr double kInside = 1 - 0x1p-52;
+  return shape.is_cube && sample.x == of.high.x ? glm::dvec2(sample.x * kInside, sample.y) : sample;
 }
 
 }  // namespace
@@ -89,10 +103,16 @@ const Bytes& GroundSupply::update(Viewer& viewer, const glm::dvec3& eye, double 
 
 void GroundSupply::putMesh(const Viewer& viewer, const proto::LatticePosition& eye, double reach) {
   GroundPatch mesh{.low = {eye.x - reach, eye.y - reach}, .spacing = reach, .columns = 3, .heights_m = {}};
+  const proto::GridShape& shape = viewer.welcome()->shape;
+  const proto::LatticeBox face = samplesAbout(shape, eye);
   for (const double y : {eye.y - reach, eye.y, eye.y + reach})
-    for (const double x : {eye.x - reach, eye.x, eye.x + reach})
+    for (const double x : {eye.x - reach, eye.x, eye.x + reach}) {
+      // Beyond a face's side as high as at it.
+      const glm::dvec2 at =
+          shape.is_cube ? askedFor(shape, glm::clamp(glm::dvec2(x, y), face.low, face.high), face) : glm::dvec2(x, y);
       mesh.heights_m.push_back(
-          static_cast<float>(viewer.groundHeight(x, y).value_or(std::numeric_limits<double>::quiet_NaN())));
+          static_cast<float>(viewer.groundHeight(at.x, at.y).value_or(std::numeric_limits<double>::quiet_NaN())));
+    }
   ByteWriter out(out_);
   putPatch(out, mesh);
 }
@@ -126,9 +146,8 @@ void GroundSupply::putTiles(const TileStore& tiles, const std::vector<proto::Til
 bool GroundSupply::mayNeedExact(const Viewer& viewer, const proto::LatticePosition& eye, double reach) const {
   const proto::Welcome& welcome = *viewer.welcome();
   if (is_fine_ || asked_ || reach > kExactReach || !welcome.epochs.empty()) return false;
-  const proto::GridShape& shape = welcome.shape;
-  const double end_x = shape.samples_x - 1.0, end_y = shape.samples_y - 1.0;
-  if (eye.x < 0 || eye.y < 0 || eye.x > end_x || eye.y > end_y) return false;
+  const auto [low, end] = samplesAbout(welcome.shape, eye);
+  if (eye.x < low.x || eye.y < low.y || eye.x > end.x || eye.y > end.y) return false;
   const proto::FrameTransform& frame = viewer.frameGrid().transform();
   const double spacing_m =
       glm::distance(frame.toScene(eye), frame.toScene(proto::LatticePosition{eye.x + 1, eye.y, eye.height_m}));
@@ -137,9 +156,9 @@ bool GroundSupply::mayNeedExact(const Viewer& viewer, const proto::LatticePositi
     highest_m = std::min(highest_m, double{viewer.tiles().find(tile)->bounds.highest_m});
   if (eye.height_m > highest_m + 2 * reach * spacing_m) return false;
   const glm::dvec2 high = exact_.low + glm::dvec2(exact_.columns, exact_rows_) - 1.0;
-  return exact_.columns == 0 || exact_.low.x > std::max(0.0, eye.x - reach) ||
-         exact_.low.y > std::max(0.0, eye.y - reach) || high.x < std::min(end_x, eye.x + reach) ||
-         high.y < std::min(end_y, eye.y + reach);
+  return exact_.columns == 0 || exact_.low.x > std::max(low.x, eye.x - reach) ||
+         exact_.low.y > std::max(low.y, eye.y - reach) || high.x < std::min(end.x, eye.x + reach) ||
+         high.y < std::min(end.y, eye.y + reach);
 }
 
 void GroundSupply::putExact(Viewer& viewer, const proto::LatticePosition& eye, double reach) {
@@ -159,16 +178,17 @@ void GroundSupply::putExact(Viewer& viewer, const proto::LatticePosition& eye, d
 
 void GroundSupply::ask(Viewer& viewer, const proto::LatticePosition& eye, double reach) {
   const proto::GridShape& shape = viewer.welcome()->shape;
-  const auto range = [&](double at, uint32_t samples) {
-    const double low = std::clamp(std::floor(at - reach - kExactMargin), 0.0, samples - 1.0);
-    return glm::dvec2(low, std::clamp(std::ceil(at + reach + kExactMargin), low, samples - 1.0));
+  const proto::LatticeBox of = samplesAbout(shape, eye);
+  const auto range = [&](double at, double first, double last) {
+    const double low = std::clamp(std::floor(at - reach - kExactMargin), first, last);
+    return glm::dvec2(low, std::clamp(std::ceil(at + reach + kExactMargin), low, last));
   };
-  const glm::dvec2 x = range(eye.x, shape.samples_x), y = range(eye.y, shape.samples_y);
+  const glm::dvec2 x = range(eye.x, of.low.x, of.high.x), y = range(eye.y, of.low.y, of.high.y);
   GroundPatch patch{.low = {x.x, y.x}, .columns = static_cast<uint32_t>(x.y - x.x) + 1, .heights_m = {}};
   CHECK_LE(patch.columns, kMaxExactSide);
   std::vector<glm::dvec2> samples;
   for (double row = y.x; row <= y.y; ++row)
-    for (double column = x.x; column <= x.y; ++column) samples.emplace_back(column, row);
+    for (double column = x.x; column <= x.y; ++column) samples.push_back(askedFor(shape, {column, row}, of));
   asked_ = Asked{viewer.requestGround(std::move(samples)), std::move(patch)};
 }
 

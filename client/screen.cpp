@@ -17,13 +17,13 @@ void Screen::add(const Interval& interval, uint32_t oldest_version) {
   schedule.add(interval);
 }
 
-ScreenFrame Screen::frame(Time now, const proto::Pose& pose, const proto::Lens& lens, proto::Strategy strategy,
-                          uint32_t ready, uint32_t coming) {
-  camera.add(now, pose);
+ScreenFrame Screen::frame(Time now, const FrameCamera& seen, proto::Strategy strategy, uint32_t ready,
+                          uint32_t coming) {
+  camera.add(now, seen.pose);
   const Schedule::Shown shown = schedule.at(now, ready, coming);
-  ScreenFrame out{.interval = std::nullopt, .pose = pose, .next_version = schedule.next()};
+  ScreenFrame out{.interval = std::nullopt, .pose = seen.pose, .next_version = schedule.next()};
   if (shown.interval == nullptr) return out;
-  const ShownFrame frame = showFrame(shown, camera, pose, lens, strategy);
+  const ShownFrame frame = showFrame(shown, camera, seen, strategy);
   out.interval = *shown.interval;
   out.pose = frame.pose;
   out.weight = shown.weight;

@@ -44,8 +44,7 @@ struct Screen {
   // Meshes before `oldest_version` will not be shown any more.
   void add(const Interval& interval, uint32_t oldest_version);
   // As of Schedule::at. To be called once for each frame, with times that do not decrease.
-  ScreenFrame frame(Time now, const proto::Pose& pose, const proto::Lens& lens, proto::Strategy strategy,
-                    uint32_t ready, uint32_t coming);
+  ScreenFrame frame(Time now, const FrameCamera& seen, proto::Strategy strategy, uint32_t ready, uint32_t coming);
   // Takes what GroundSupply::update made.
   void takeGround(ByteSpan update);
 

@@ -15,11 +15,6 @@ constexpr Duration kPoseMemory = Duration::milliseconds(10'000);
 
 constexpr float kNone = std::numeric_limits<float>::infinity();
 
-struct Camera {
-  proto::Pose pose;
-  proto::Lens lens;
-};
-
 // By how much errors are larger on the screen than through the keyframe's lens; kNone if more is seen than through it.
 float magnification(const proto::Lens& keyframe, const proto::Lens& shown) {
   if (shown == keyframe) return 1;
@@ -31,14 +26,14 @@ float magnification(const proto::Lens& keyframe, const proto::Lens& shown) {
 }
 
 // What the section of a keyframe guarantees for a camera.
-float toleranceOf(const proto::KeyframeHeader& k, const Camera& camera) {
-  const bool is_covered = glm::distance(k.pose.eye, camera.pose.eye) <= k.region_radius_m &&
+float toleranceOf(const proto::KeyframeHeader& k, const FrameCamera& camera) {
+  const bool is_covered = glm::distance(k.pose.eye, camera.pose.eye) + camera.eye_radius_m <= k.region_radius_m &&
                           proto::angleBetween(k.pose.orientation, camera.pose.orientation) <= k.region_angle_rad;
   return is_covered ? k.frameTolerance() * magnification(k.lens, camera.lens) : kNone;
 }
 
 // At weight 0 the newest section is not shown, and at 1 the oldest one, and its guarantee does not matter.
-float toleranceOf(const Interval& interval, float weight, const Camera& camera) {
+float toleranceOf(const Interval& interval, float weight, const FrameCamera& camera) {
   float tolerance_px = 0;
   if (weight < 1 || interval.earlier.count > 0) tolerance_px = toleranceOf(interval.from, camera);
   if (weight > 0) tolerance_px = std::max(tolerance_px, toleranceOf(interval.to, camera));
@@ -82,15 +77,18 @@ proto::Pose CameraPath::at(Time t) const {
   return proto::poseAt(poses_, t);
 }
 
-ShownFrame showFrame(const Schedule::Shown& shown, const CameraPath& camera, const proto::Pose& pose,
-                     const proto::Lens& lens, proto::Strategy strategy) {
+ShownFrame showFrame(const Schedule::Shown& shown, const CameraPath& camera, const FrameCamera& now,
+                     proto::Strategy strategy) {
   const Interval& interval = *shown.interval;
   const auto weight = static_cast<float>(shown.weight);
-  ShownFrame frame{.pose = strategy == proto::Strategy::kDelay ? camera.at(shown.shown_time) : pose};
-  frame.tolerance_px = toleranceOf(interval, weight, {frame.pose, lens});
+  const auto toleranceAt = [&](const proto::Pose& pose) {
+    return toleranceOf(interval, weight, {pose, now.lens, now.eye_radius_m});
+  };
+  ShownFrame frame{.pose = strategy == proto::Strategy::kDelay ? camera.at(shown.shown_time) : now.pose};
+  frame.tolerance_px = toleranceAt(frame.pose);
   frame.is_outside = std::isinf(frame.tolerance_px);
   if (strategy == proto::Strategy::kCurrent && !camera.hasJumpedSince(shown.shown_time))
-    frame.tolerance_px = toleranceOf(interval, weight, {camera.at(shown.shown_time), lens});
+    frame.tolerance_px = toleranceAt(camera.at(shown.shown_time));
   return frame;
 }
 

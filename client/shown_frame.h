@@ -32,16 +32,24 @@ class CameraPath {
   bool jumps_next_ = false;
 };
 
+// What a frame is drawn with: the camera's pose and lens, and how far eyes that see it are from the pose's, as the two
+// of a head.
+struct FrameCamera {
+  proto::Pose pose;
+  proto::Lens lens;
+  double eye_radius_m = 0;
+};
+
 struct ShownFrame {
   proto::Pose pose;        // the camera: M(t), or M(t_d) with strategy `delay`
   float tolerance_px = 0;  // as FrameView::tolerance_px
-  // The camera is outside the region that a shown keyframe is computed for, or its lens sees more than the keyframe's.
+  // An eye is outside the region that a shown keyframe is computed for, or the lens sees more than the keyframe's.
   bool is_outside = false;
 };
 
-// `shown` must have an interval; `pose` is the camera's now, and the last one of `camera`; `lens` is what it is drawn
-// with, which a window that grows has changed since the keyframes shown were computed.
-ShownFrame showFrame(const Schedule::Shown& shown, const CameraPath& camera, const proto::Pose& pose,
-                     const proto::Lens& lens, proto::Strategy strategy);
+// `shown` must have an interval; the pose of `now` is the last one of `camera`; its lens may be another one than the
+// keyframes shown were computed for, as after a window has grown.
+ShownFrame showFrame(const Schedule::Shown& shown, const CameraPath& camera, const FrameCamera& now,
+                     proto::Strategy strategy);
 
 }  // namespace foreland::client

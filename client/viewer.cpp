@@ -194,7 +194,7 @@ FrameView Viewer::frame(Time now, const proto::Pose& pose) {
   if (!shown.mesh) return view;
   drawn_->show(shown.version);
   view.mesh = &drawn_->mesh();
-  const ShownFrame frame = showFrame(shown, camera_, pose, request_.lens, request_.strategy);
+  const ShownFrame frame = showFrame(shown, camera_, {pose, request_.lens, request_.eye_radius_m}, request_.strategy);
   view.pose = frame.pose;
   view.tolerance_px = frame.tolerance_px;
   ++statistics_.frames;

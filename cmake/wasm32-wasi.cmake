@@ -11,5 +11,5 @@ cmake_path(GET CMAKE_CURRENT_LIST_DIR PARENT_PATH root)  # which checks need not
 set(CMAKE_CXX_FLAGS_INIT "-fno-exceptions -msimd128 -mbulk-memory -mnontrapping-fptoint -msign-ext -fmacro-prefix-map=${root}/=")
 # For size, which is what a viewer waits for first; what takes time is compiled for speed (foreland_fast_in_wasm). Optimised when linked, too.
 set(CMAKE_CXX_FLAGS_RELEASE "-Oz -flto -fno-rtti -DNDEBUG" CACHE STRING "")
-set(CMAKE_EXE_LINKER_FLAGS_INIT "-mexec-model=reactor -fuse-ld=lld -Wl,-mllvm,-enable-merge-functions")
+set(CMAKE_EXE_LINKER_FLAGS_INIT "-mexec-model=reactor -fuse-ld=lld -Wl,-mllvm,-enable-merge-functions -Wl,-mllvm,-unroll-threshold=0")
 set(CMAKE_CXX_COMPILER_WORKS TRUE)

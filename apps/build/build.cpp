@@ -43,7 +43,7 @@ using Clock = std::chrono::steady_clock;
 struct Arguments {
   apps::ElevationArguments elevation;
   std::filesystem::path output;
-  bool is_globe = false;
+  bool is_globe = false, has_sea = false;
   unsigned threads = 0, memory_mib = 1024;
   terrain::PageCoding page_coding = terrain::PageCoding::kPlain;
   std::vector<std::string> objects, epochs;
@@ -59,9 +59,15 @@ void describeElevation(CLI::App& app, Arguments& arguments) {
   app.add_option("-o,--output", arguments.output, "the scene file to write")
       ->type_name(apps::file("SCENE.fls"))
       ->required();
-  app.add_flag("--globe", arguments.is_globe,
-               "the ground of a whole body: the inputs go around it, in latitude and longitude and to both poles, and "
-               "insets are fine where they are. Heights above a geoid (--vertical) become heights above the ellipsoid");
+  CLI::Option* globe =
+      app.add_flag("--globe", arguments.is_globe,
+                   "the ground of a whole body: the inputs go around it, in latitude and longitude and to both poles, "
+                   "and insets are fine where they are. Heights above a geoid (--vertical) become heights above the "
+                   "ellipsoid");
+  app.add_flag("--sea", arguments.has_sea,
+               "viewers draw the sea over ground of the globe that lies below it: at height 0 above the geoid that "
+               "--vertical names, or above the ellipsoid where nothing does; land below it is under water, too")
+      ->needs(globe);
   apps::describeInputs(app, arguments.elevation);
   app.add_option("--threads", arguments.threads, "worker threads; 0 for one per processor")
       ->type_name(apps::whole("N"))
@@ -315,7 +321,8 @@ int buildGlobe(const Arguments& arguments) {
                                 .objects = *objects,
                                 .picture = picture.get(),
                                 .imagery_quality = arguments.imagery_quality,
-                                .attribution = arguments.attribution},
+                                .attribution = arguments.attribution,
+                                .has_sea = arguments.has_sea},
                                progress);
   });
 }
@@ -396,7 +403,7 @@ int main(int argc, char** argv) {
        {"a survey in the coarse ground around it",
         "foreland build alps.tif --inset survey.tif --feather 50 -o alps.fls"},
        {"a whole planet, finer where a survey is",
-        "foreland build etopo20.cdf --globe --vertical egm96 --inset alps.tif -o planet.fls"},
+        "foreland build etopo20.cdf --globe --vertical egm96 --sea --inset alps.tif -o planet.fls"},
        {"a tower on a summit, twice as large as modelled and facing east",
         "foreland build N46E008.hgt -o alps.fls --object tower.fls@46.5900,8.1183,0,90,2"},
        {"ground that changes in time",

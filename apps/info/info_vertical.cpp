@@ -67,6 +67,8 @@ void printVertical(const terrain::Scene& scene) {
                 datum.geoid.c_str(), lowest_m, highest_m, datum.undulations.columns, datum.undulations.rows,
                 datum.undulations.max_error_m);
   }
+  if (scene.hasSea())
+    std::printf("sea        drawn at height 0 above %s\n", datum.geoid.empty() ? "the ellipsoid" : datum.geoid.c_str());
   for (const terrain::SceneInput& input : scene.inputs()) printInput(input);
 }
 
@@ -81,6 +83,7 @@ ordered_json describeVertical(const terrain::Scene& scene) {
                       {"values", {datum.undulations.columns, datum.undulations.rows}},
                       {"max_error_m", datum.undulations.max_error_m}};
   }
+  if (scene.hasSea()) about["sea"] = true;
   if (!scene.inputs().empty()) about["inputs"] = ordered_json::array();
   for (const terrain::SceneInput& input : scene.inputs()) {
     const proto::LatticeWindow& w = input.window;

@@ -16,6 +16,7 @@
 #include <utility>
 #include <vector>
 
+#include "apps/serve/distant_scenes.h"
 #include "apps/serve/gallery.h"
 #include "apps/serve/overlay_files.h"
 #include "apps/serve/serve_options.h"
@@ -23,10 +24,12 @@
 #include "apps/stop_signal.h"
 #include "base/result.h"
 #include "server/net/access/listen_address.h"
+#include "server/net/http/sea_file.h"
 #include "server/net/memory_return.h"
 #include "server/net/server.h"
 #include "server/net/steady_clock.h"
 #include "server/session/session.h"
+#include "terrain/fetch/store_address.h"
 #include "terrain/store/file/mapped_file.h"
 #include "terrain/store/scene.h"
 #include "terrain/store/verify.h"
@@ -103,29 +106,43 @@ Result<std::shared_ptr<const server::World>> openWorld(const apps::ServeFlags& f
   return world;
 }
 
+Result<std::shared_ptr<const terrain::Scene>> openScene(const apps::ServeFlags& flags, const fs::path& name,
+                                                        const server::Log& log) {
+  if (!terrain::isInStore(name.string()))
+    return terrain::openVerified(name, 0, static_cast<uint64_t>(flags.page_cache_mib * 1048576));
+  return apps::openFromStore(name.string(),
+                             {static_cast<uint64_t>(flags.store_cache_mib * 1048576), flags.store_cache_dir,
+                              [log](const std::string& what) { log(server::Severity::kWarning, what); }});
+}
+
 // Those of `flags`, in its order, and what `options` lack for them: files, and that sessions prefetch.
 Result<std::vector<server::ServedScene>> openScenes(const apps::ServeFlags& flags, server::ServeOptions& options) {
   const bool is_gallery = flags.scenes.size() > 1;
   std::vector<apps::GalleryScene> gallery;
   std::vector<server::ServedScene> served;
   size_t bytes = 0;
+  bool is_distant = false;
   const auto names = is_gallery ? apps::galleryNames(flags.scenes) : std::vector<std::string>(1);
   if (!names) return names.error();
   for (size_t i = 0; i < flags.scenes.size(); ++i) {
-    auto scene = terrain::openVerified(flags.scenes[i], 0, static_cast<uint64_t>(flags.page_cache_mib * 1048576));
+    auto scene = openScene(flags, flags.scenes[i], options.log);
     if (!scene) return scene.error();
     gallery.push_back({(*names)[i], *scene});
     bytes += (*scene)->records().size_bytes();
+    is_distant = is_distant || (*scene)->supply();
   }
   if (Status s = apps::checkDifferent(gallery); !s.ok()) return s.error();
   for (const apps::GalleryScene& scene : gallery) {
     auto world = openWorld(flags, scene.scene, options.log);
     if (!world) return world.error();
-    options.files.merge(imagesOf((*world)->hierarchy.objects(), is_gallery ? "/" + scene.name : ""));
+    const std::string folder = is_gallery ? "/" + scene.name : "";
+    options.files.merge(imagesOf((*world)->hierarchy.objects(), folder));
+    if (scene.scene->grid().isCube())
+      options.files[folder + "/sea.bin"] = server::seaFile(scene.scene->hasSea(), scene.scene->vertical().undulations);
     served.push_back({scene.name, std::move(*world)});
   }
   if (is_gallery) options.files.merge(apps::galleryFiles(gallery));
-  if (bytes > kLargeSceneBytes) options.session.prefetch_ahead = Duration::milliseconds(2000);
+  if (bytes > kLargeSceneBytes || is_distant) options.session.prefetch_ahead = Duration::milliseconds(2000);
   return served;
 }
 

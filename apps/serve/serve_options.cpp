@@ -21,8 +21,8 @@ namespace {
 void addScene(CLI::App& app, ServeFlags& flags) {
   app.add_option(
          "SCENE", flags.scenes,
-         "scene file made by `foreland build`; several are each at a path of its own, /NAME/ for NAME.fls, and / "
-         "lists them")
+         "scene file made by `foreland build`, or its address in a store that answers ranges (https://HOST/SCENE.fls, "
+         "s3://BUCKET/SCENE.fls); several are each at a path of its own, /NAME/ for NAME.fls, and / lists them")
       ->type_name(file("SCENE.fls"))
       ->required();
   app.add_option("--listen", flags.listen, "address and port; port 0 picks a free one")
@@ -101,6 +101,12 @@ void addLimits(CLI::App& app, ServeFlags& flags) {
       "--pages coded); at least 2 for each processor, and about 1000 unless vm.max_map_count is raised")
       ->type_name(number("MIB"))
       ->check(within(1.0, 1048576.0));
+  add("--store-cache-mib", flags.store_cache_mib,
+      "MiB on this machine's disk of each scene that is in a store; viewers who need more get a coarser tolerance")
+      ->type_name(number("MIB"))
+      ->check(within(1.0, 1048576.0));
+  add("--store-cache-dir", flags.store_cache_dir, "folder for them; by default that of temporary files (TMPDIR)")
+      ->type_name(folder("DIR"));
   add("--idle-seconds", flags.idle_seconds,
       "a viewer that sends nothing, or reads nothing of what waits for it, for so long is disconnected")
       ->type_name(number("S"))
@@ -161,6 +167,8 @@ const std::vector<Example> kExamples{
     {"several scenes, which / lists", "foreland serve hills.fls alps.fls"},
     {"with TLS, for all addresses",
      "foreland serve hills.fls --listen 0.0.0.0:8443 --tls-cert cert.pem --tls-key key.pem"},
+    {"a scene in a store, with checksums beside it (`foreland sums`)",
+     "foreland serve https://example.com/earth.fls --store-cache-mib 200"},
     {"with paths and huts on its ground", "foreland serve hills.fls --overlay paths.gpx --overlay huts.geojson"},
     {"write a file of options, and use it", "foreland serve hills.fls --tau 2 --print-config > serve.toml"},
     {"", "foreland serve --config serve.toml"}};

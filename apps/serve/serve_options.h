@@ -30,6 +30,8 @@ struct ServeFlags {
   double queue_mib = server::HostLimits{}.viewer_bytes / 1048576.0;
   double sight_memory_mib = 1024;
   double page_cache_mib = static_cast<double>(terrain::kDefaultPageCacheBytes >> 20);
+  double store_cache_mib = 1024;
+  std::string store_cache_dir;  // empty for that of temporary files
   double idle_seconds = server::ServeOptions{}.idle_timeout.toSeconds();
   double drain_seconds = 10;
   std::filesystem::path tls_cert, tls_key, token_secret;

@@ -85,6 +85,9 @@ int viewshed(const Options& o) {
   if (Status s = checkName(o.output); !s.ok()) return fail(s.error());
   auto scene = terrain::Scene::open(o.scene);
   if (!scene.ok()) return fail(scene.error());
+  if ((*scene)->grid().isCube())
+    return fail(
+        {ErrorCode::kUnsupported, o.scene.string() + ": a globe, whose faces no GeoTIFF's reference system has"});
   auto question = questionOf(o.viewshed, "--from", **scene);
   if (!question.ok()) return fail(question.error());
   if (o.date) {

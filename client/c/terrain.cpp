@@ -279,7 +279,7 @@ void Terrain::jump() {
 ForelandFrame Terrain::frame(Time now, const proto::Pose& pose) {
   receive();
   now = last_frame_ = std::max(now, last_frame_);
-  const ScreenFrame shown = screen_.frame(now, pose, requested_.lens, requested_.strategy, ready_, coming_);
+  const ScreenFrame shown = screen_.frame(now, {pose, requested_.lens}, requested_.strategy, ready_, coming_);
   const proto::Pose& camera = shown.pose;
   const glm::dquat& q = camera.orientation;
   ForelandFrame out{.size = sizeof(ForelandFrame),

@@ -15,7 +15,7 @@ namespace {
 proto::ViewRequest requestOf(double fov_rad, uint32_t width_px, uint32_t height_px, double tau_px, uint32_t strategy,
                              uint32_t predictor, double keyframe_ms, double longest_keyframe_ms, uint32_t occlusion,
                              uint32_t memory_bytes, uint32_t relief, uint32_t imagery, uint32_t tile_bytes,
-                             uint32_t max_triangles, uint32_t max_bytes_per_second) {
+                             uint32_t max_triangles, uint32_t max_bytes_per_second, double eye_radius_m) {
   return {.lens = {.vertical_fov_rad = fov_rad, .width_px = width_px, .height_px = height_px},
           .tau_px = tau_px,
           .strategy = static_cast<proto::Strategy>(strategy),
@@ -28,7 +28,8 @@ proto::ViewRequest requestOf(double fov_rad, uint32_t width_px, uint32_t height_
           .memory_bytes = memory_bytes,
           .relief = relief != 0,
           .imagery = imagery != 0,
-          .tile_bytes = tile_bytes};
+          .tile_bytes = tile_bytes,
+          .eye_radius_m = eye_radius_m};
 }
 
 double texelOf(Host& host, proto::TileContent content) {
@@ -60,9 +61,10 @@ FORELAND_EXPORT(foreland_create)
 Host* create(double fov_rad, uint32_t width_px, uint32_t height_px, double tau_px, uint32_t strategy,
              uint32_t predictor, double keyframe_ms, double longest_keyframe_ms, uint32_t occlusion,
              uint32_t memory_bytes, uint32_t relief, uint32_t imagery, uint32_t tile_bytes, uint32_t max_triangles,
-             uint32_t max_bytes_per_second) {
+             uint32_t max_bytes_per_second, double eye_radius_m) {
   return new Host(requestOf(fov_rad, width_px, height_px, tau_px, strategy, predictor, keyframe_ms, longest_keyframe_ms,
-                            occlusion, memory_bytes, relief, imagery, tile_bytes, max_triangles, max_bytes_per_second));
+                            occlusion, memory_bytes, relief, imagery, tile_bytes, max_triangles, max_bytes_per_second,
+                            eye_radius_m));
 }
 
 // Continues over a new connection after the old one was lost (Viewer::reconnect).
@@ -99,10 +101,10 @@ FORELAND_EXPORT(foreland_set_request)
 void setRequest(Host* host, double fov_rad, uint32_t width_px, uint32_t height_px, double tau_px, uint32_t strategy,
                 uint32_t predictor, double keyframe_ms, double longest_keyframe_ms, uint32_t occlusion,
                 uint32_t memory_bytes, uint32_t relief, uint32_t imagery, uint32_t tile_bytes, uint32_t max_triangles,
-                uint32_t max_bytes_per_second) {
+                uint32_t max_bytes_per_second, double eye_radius_m) {
   host->viewer.setRequest(requestOf(fov_rad, width_px, height_px, tau_px, strategy, predictor, keyframe_ms,
                                     longest_keyframe_ms, occlusion, memory_bytes, relief, imagery, tile_bytes,
-                                    max_triangles, max_bytes_per_second));
+                                    max_triangles, max_bytes_per_second, eye_radius_m));
 }
 
 // From `at_ms` on scene time goes from `scene_ms`, since 1970, at `rate` scene seconds a second.

@@ -55,14 +55,16 @@ FORELAND_EXPORT(foreland_screen_next) uint32_t screenNext(ScreenHost* host) { re
 FORELAND_EXPORT(foreland_screen_jump) void screenJump(ScreenHost* host) { host->screen.camera.jump(); }
 
 // What to draw at `now_ms`, if the mesh of version `ready` can be shown and the one that was shown last, with the
-// camera at a pose, with a lens and a proto::Strategy.
+// camera at a pose, with a lens, eyes that are `eye_radius_m` from it at most, and a proto::Strategy.
 FORELAND_EXPORT(foreland_screen_frame)
 const ScreenRecord* screenFrame(ScreenHost* host, double now_ms, double x, double y, double z, double qx, double qy,
                                 double qz, double qw, double fov_rad, uint32_t width_px, uint32_t height_px,
-                                uint32_t strategy, uint32_t ready, uint32_t coming) {
-  const proto::Pose pose{.eye = {x, y, z}, .orientation = glm::dquat(qw, qx, qy, qz)};
-  const ScreenFrame frame = host->screen.frame(timeOf(now_ms), pose, {fov_rad, width_px, height_px},
-                                               static_cast<proto::Strategy>(strategy), ready, coming);
+                                double eye_radius_m, uint32_t strategy, uint32_t ready, uint32_t coming) {
+  const FrameCamera seen{.pose = {.eye = {x, y, z}, .orientation = glm::dquat(qw, qx, qy, qz)},
+                         .lens = {fov_rad, width_px, height_px},
+                         .eye_radius_m = eye_radius_m};
+  const ScreenFrame frame =
+      host->screen.frame(timeOf(now_ms), seen, static_cast<proto::Strategy>(strategy), ready, coming);
   ScreenRecord& out = host->screen_record;
   out = {};
   out.pose = recordOf(frame.pose);

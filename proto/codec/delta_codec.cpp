@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <type_traits>
 
 #include "base/bit_instructions.h"
 #include "base/vectors.h"
@@ -32,11 +33,15 @@ constexpr std::array<uint16_t, TerrainBatch::kSize> kAll = [] {
 // One level's nodes, one after the other, with the contexts of each.
 template <class Coder, class Nodes>
 class LevelCoder {
+  // A client's do, but for those that were made otherwise, of a section in tests.
+  static constexpr bool kRecordsHaveEnds = std::is_same_v<Nodes, SparseNodes>;
+
  public:
   LevelCoder(const TerrainDomain& domain, const Nodes& nodes, DeltaModel& model, Coder& coder, CachedContexts& asked,
              int level)
       : grid_(domain.grid),
         names_(grid_, level),
+        apexes_(grid_, level),
         level_(level),
         nodes_(nodes),
         cached_contexts_(asked),
@@ -57,7 +62,7 @@ class LevelCoder {
     std::array<Context, kAhead> contexts;
     for (size_t begin = 0; begin < left.size(); begin += kAhead) {
       const auto some = left.subspan(begin, std::min(kAhead, left.size() - begin));
-      for (size_t i = 0; i < some.size(); ++i) records[i] = find(predicates[some[i]]);
+      for (size_t i = 0; i < some.size(); ++i) find(predicates[some[i]], records[i]);
       for (size_t i = 0; i < some.size(); ++i) contexts[i] = contextOf(predicates[some[i]], records[i]);
       for (size_t i = 0; i < some.size(); ++i)
         decisions[some[i]] = codeDecision(contexts[i], decisions[some[i]] != 0) ? 1 : 0;
@@ -117,16 +122,29 @@ class LevelCoder {
     bool has_before;
     PredictionContext context;  // unless the node is in the section
   };
-  // What the context depends on: the record of a node that is in the section, else the records around the node.
+  // What the context depends on: the record of a node that is in the section, else the records around the node, or
+  // those of its apexes and its own, if that has the ends.
   struct Records {
     const NodeRecord* own;
     PredictionContext::Neighbours context;
   };
-  Records find(const Predicate& q) {
-    if (!q.is_in_section) return {nullptr, PredictionContext::find(grid_, nodes_, names_.at(q.slot), level_)};
-    const NodeRecord& own = nodes_.at(q.slot);
-    __builtin_prefetch(&own);
-    return {&own, {}};
+  void find(const Predicate& q, Records& found) {
+    const NodeRecord* const own = kRecordsHaveEnds || q.is_in_section ? &nodes_.at(q.slot) : nullptr;
+    found.own = own;
+    if (q.is_in_section) {
+      if (!kRecordsHaveEnds) __builtin_prefetch(own);  // load() has just read a client's
+      return;
+    }
+    const NodeId n = names_.at(q.slot);
+    if (!kRecordsHaveEnds || !own->hasEnds()) {
+      found.own = nullptr;
+      found.context.ends = PredictionContext::findEnds(grid_, nodes_, n, level_);
+    }
+    found.context.apexes = findApexes(n);
+  }
+  PredictionContext::Vertices findApexes(NodeId n) const {
+    return level_ == 1 ? PredictionContext::findApexes(grid_, nodes_, n, level_)
+                       : PredictionContext::findApexes(apexes_, nodes_, n);
   }
   Context contextOf(const Predicate& q, const Records& records) {
     if (q.is_in_section) {
@@ -135,7 +153,8 @@ class LevelCoder {
       const size_t width = std::min<size_t>(static_cast<size_t>(q.least.value - q.bound.value - 1), 3);
       return {&model_.leaf[(static_cast<size_t>(q.is_new) * 4 + width) * 8 + size], false, {}};
     }
-    const PredictionContext context = PredictionContext::of(records.context);
+    const PredictionContext context = records.own ? PredictionContext::of(records.own->ends(), records.context.apexes)
+                                                  : PredictionContext::of(records.context);
     const size_t size = sizeOf(context, q.least);
     if (q.is_new) {
       const auto client_knowledge = static_cast<size_t>(q.client_knowledge);
@@ -163,6 +182,7 @@ class LevelCoder {
 
   const GridTopology& grid_;
   LevelNodes names_;
+  GridTopology::ApexSlots apexes_;
   int level_;
   const Nodes& nodes_;
   CachedContexts& cached_contexts_;
@@ -269,9 +289,9 @@ void DeltaDecoder::onAddable(int level, std::span<const Slot> slots) {
       ends[i] = {nodes_.find(a), nodes_.find(b)};
       for (const VertexHeight& end : ends[i]) __builtin_prefetch(end.record);
     }
-    std::array<int32_t, kAhead> middles;  // before a new record moves the others
-    for (size_t i = 0; i < count; ++i) middles[i] = middleOf(ends[i][0].height(), ends[i][1].height());
-    for (size_t i = 0; i < count; ++i) nodes_.make(slots[i]) = NodeRecord::of(middles[i], 0, {}, {});
+    std::array<NodeRecord, kAhead> records;  // before a new record moves the others
+    for (size_t i = 0; i < count; ++i) records[i] = NodeRecord::ofEnds(ends[i][0].height(), ends[i][1].height());
+    for (size_t i = 0; i < count; ++i) nodes_.make(slots[i]) = records[i];
   }
 }
 
@@ -298,14 +318,14 @@ bool DeltaDecoder::onAdded(int level, std::span<const Predicate> added) {
     if (std::abs(height) > kMaxHeight) absurd_ = true;
     if (absurd_ || coder_.overrun()) return false;
     NodeRecord& record = nodes_.make(q.slot);
-    record = NodeRecord::of(height, height - record.middle(), {}, {});
+    record = record.withHeight(height);
   }
   return true;
 }
 
 void DeltaDecoder::onSettled(Slot slot, QuantisedError error) {
   NodeRecord& record = nodes_.make(slot);
-  record = NodeRecord::of(record.height(), record.displacement(), error, {});
+  record = record.withError(error);
 }
 
 bool DeltaDecoder::reviseBlocks(const HiddenBlocks& blocks, bool& hides, std::vector<BlockId>& changed) {

@@ -28,36 +28,58 @@ struct PredictionContext {
   // The expected height.
   int32_t guess() const { return (8 * ends + 3 * curve() + 8) >> 4; }
 
-  // The vertices around a node. find() prefetches their records, so a caller that finds those of many nodes first does
-  // not wait for each.
+  // The vertices around a node. All that find some prefetch their records, so a caller that finds those of many nodes
+  // first does not wait for each.
+  using Vertices = std::array<VertexHeight, 2>;
   struct Neighbours {
-    std::array<VertexHeight, 2> ends, apexes;  // of a single apex, twice the same
+    Vertices ends, apexes;  // of a single apex, twice the same
   };
   // The neighbours of a node of a level. `nodes` is a table of node_tables.h.
   template <class Nodes>
   static Neighbours find(const GridTopology& grid, const Nodes& nodes, NodeId n, int level) {
-    Neighbours neighbours;
+    return {findEnds(grid, nodes, n, level), findApexes(grid, nodes, n, level)};
+  }
+  template <class Nodes>
+  static Vertices findEnds(const GridTopology& grid, const Nodes& nodes, NodeId n, int level) {
     const auto [a, b] = grid.endpoints(n, level);
-    neighbours.ends = {nodes.find(a), nodes.find(b)};
+    return prefetched({nodes.find(a), nodes.find(b)});
+  }
+  template <class Nodes>
+  static Vertices findApexes(const GridTopology& grid, const Nodes& nodes, NodeId n, int level) {
+    Vertices found;
     const auto apexes = grid.apexes(n, level);
     for (int i = 0; i < apexes.count; ++i)  // those of level 1 are the centres of roots
-      neighbours.apexes[static_cast<size_t>(i)] =
+      found[static_cast<size_t>(i)] =
           level == 1 ? nodes.find(apexes.ids[i]) : VertexHeight{&nodes.at(grid.slot(apexes.ids[i], level - 1)), 0};
-    if (apexes.count == 1) neighbours.apexes[1] = neighbours.apexes[0];
-    for (const auto& vertices : {neighbours.ends, neighbours.apexes})
-      for (const VertexHeight& v : vertices) __builtin_prefetch(v.record);
-    return neighbours;
+    if (apexes.count == 1) found[1] = found[0];
+    return prefetched(found);
+  }
+  // The same for many nodes of a level above 1.
+  template <class Nodes>
+  static Vertices findApexes(const GridTopology::ApexSlots& apexes, const Nodes& nodes, NodeId n) {
+    const auto [a, b] = apexes.of(n);
+    return prefetched({VertexHeight{&nodes.at(a), 0}, VertexHeight{&nodes.at(b), 0}});
   }
   static PredictionContext of(const Neighbours& neighbours) {
+    return of(neighbours.ends[0].height() + neighbours.ends[1].height(), neighbours.apexes);
+  }
+  // `ends` is the sum of their heights.
+  static PredictionContext of(int32_t ends, const Vertices& apexes) {
     PredictionContext context;
-    context.ends = neighbours.ends[0].height() + neighbours.ends[1].height();
-    for (const VertexHeight& apex : neighbours.apexes) {
+    context.ends = ends;
+    for (const VertexHeight& apex : apexes) {
       context.apex_difference += apex.height();
       context.parent_magnitude += std::abs(apex.displacement());
       context.parent_sum += apex.displacement();
     }
     context.apex_difference -= context.ends;
     return context;
+  }
+
+ private:
+  static Vertices prefetched(const Vertices& found) {
+    for (const VertexHeight& v : found) __builtin_prefetch(v.record);
+    return found;
   }
 };
 

@@ -107,6 +107,9 @@ Result<ClientControl> read(const fb::ViewRequest& m) {
     return malformed("the longest keyframe interval must be from the shortest to 10000 ms, or 0 for a fixed one");
   out.order = std::max<uint32_t>(m.order(), 1);
   if (out.order > kMaxOrder) return malformed("the order of the blend must be 1 to 3");
+  out.eye_radius_m = m.eye_radius_m();
+  if (!(out.eye_radius_m >= 0 && out.eye_radius_m <= kMaxEyeRadius_m))
+    return malformed("eyes must be 0 to 100 m from the pose's");
   if (out.order > 1 && out.longest_interval != Duration{})
     return malformed("keyframes that adapt are blended two at a time: an order above 1 needs a fixed interval");
   return ClientControl(out);
@@ -196,7 +199,7 @@ Bytes encode(const ViewRequest& m) {
       b, kProtocolVersion, &lens, m.tau_px, static_cast<uint8_t>(m.strategy), static_cast<uint8_t>(m.predictor),
       static_cast<uint32_t>(m.keyframe_interval.us), m.max_triangles, m.max_bytes_per_second, m.occlusion,
       m.memory_bytes, static_cast<uint8_t>((m.relief ? 1 : 0) | (m.imagery ? 2 : 0)), m.tile_bytes,
-      static_cast<uint32_t>(m.longest_interval.us), static_cast<uint8_t>(m.order > 1 ? m.order : 0));
+      static_cast<uint32_t>(m.longest_interval.us), static_cast<uint8_t>(m.order > 1 ? m.order : 0), m.eye_radius_m);
   return finish(b, fb::Body_ViewRequest, body.Union());
 }
 

@@ -31,6 +31,7 @@ inline constexpr uint32_t kDefaultMemoryBytes = 16u << 20;
 inline constexpr uint32_t kMaxUndulationSide = 33;
 inline constexpr size_t kMaxGroundPoints = 65'536;
 inline constexpr uint32_t kMaxOrder = 3;
+inline constexpr double kMaxEyeRadius_m = 100;
 
 // P section 4; THEORY section 4.
 enum class Strategy : uint8_t { kDelay = 0, kCurrent = 1, kPredict = 2 };
@@ -72,6 +73,9 @@ struct ViewRequest {
   // A frame blends one keyframe more, so a keyframe is shown, in part, for order + 1 intervals around its time, and its
   // region holds for that. 1 to kMaxOrder; above 1 keyframes do not adapt.
   uint32_t order = 1;
+  // A frame is seen by eyes that are this far from the pose's at most, as the two of a head: keyframes' regions are so
+  // much wider. At most kMaxEyeRadius_m.
+  double eye_radius_m = 0;
 
   bool wants(TileContent content) const { return content == TileContent::kRelief ? relief : imagery; }
   bool showsNothing() const { return lens.width_px == 0 || lens.height_px == 0; }

@@ -17,13 +17,14 @@ NodeId idOf(LatticePoint p) { return NodeId::at(static_cast<uint32_t>(p.x), stat
 class Descent {
  public:
   Descent(const TerrainDomain& domain, const StoredNodes& nodes, const Metric& metric, RefineScratch& scratch,
-          const HiddenBlocks* hidden)
+          const HiddenBlocks* hidden, ReadableNodes* readable)
       : domain_(domain),
         grid_(domain.grid),
         nodes_(nodes),
         metric_(metric),
         scratch_(scratch),
         hidden_(hidden),
+        readable_(readable),
         max_x_(static_cast<int32_t>(grid_.maxX())),
         max_y_(static_cast<int32_t>(grid_.maxY())) {}
 
@@ -113,7 +114,9 @@ class Descent {
 
   void push(LatticePoint p) { push(idOf(p)); }
   void push(NodeId n) {
-    batch_.push(n, grid_.slot(n), level_);
+    const Slot slot = grid_.slot(n);
+    if (readable_ && !readable_->isReadable(slot)) return;
+    batch_.push(n, slot, level_);
     if (batch_.full()) flush();
   }
 
@@ -147,6 +150,7 @@ class Descent {
   const Metric& metric_;
   RefineScratch& scratch_;
   const HiddenBlocks* hidden_;
+  ReadableNodes* readable_;
   int32_t max_x_, max_y_;
   int level_ = 0;
   const Metric* inner_ = nullptr;  // of the smaller section that is counted, too, if any
@@ -172,9 +176,9 @@ void sortSlots(std::vector<Slot>& slots, std::vector<Slot>& other, Slot end) {
 }  // namespace
 
 bool refine(const TerrainDomain& domain, const StoredNodes& nodes, const View& view, size_t max_nodes,
-            RefineScratch& scratch, Section& section, const HiddenBlocks* hidden) {
+            RefineScratch& scratch, Section& section, const HiddenBlocks* hidden, ReadableNodes* readable) {
   const Metric metric = domain.metric(view);
-  const bool fits = Descent(domain, nodes, metric, scratch, hidden).run(max_nodes);
+  const bool fits = Descent(domain, nodes, metric, scratch, hidden, readable).run(max_nodes);
   if (!fits) return false;
   sortSlots(scratch.slots, scratch.sorted, domain.grid.slotCount());
   section.slots.assign(scratch.slots.begin(), scratch.slots.end());
@@ -182,9 +186,9 @@ bool refine(const TerrainDomain& domain, const StoredNodes& nodes, const View& v
 }
 
 SampledSize estimateSize(const TerrainDomain& domain, const StoredNodes& nodes, const View& view, const View& inner,
-                         RefineScratch& scratch, const HiddenBlocks* hidden) {
+                         RefineScratch& scratch, const HiddenBlocks* hidden, ReadableNodes* readable) {
   const Metric metric = domain.metric(view);
-  return Descent(domain, nodes, metric, scratch, hidden).estimate(domain.metric(inner));
+  return Descent(domain, nodes, metric, scratch, hidden, readable).estimate(domain.metric(inner));
 }
 
 size_t countNeeded(const TerrainDomain& domain, const StoredNodes& nodes, const View& view,

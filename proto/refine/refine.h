@@ -19,6 +19,16 @@ struct LatticePoint {
   int32_t x, y;
 };
 
+// Which nodes may be read, of a scene that is not all there (terrain/store/distant). Of one that may not be, nothing is
+// read, and it is taken not to pass.
+class ReadableNodes {
+ public:
+  virtual bool isReadable(Slot slot) = 0;
+
+ protected:
+  ~ReadableNodes() = default;
+};
+
 // A worker's own; reused from call to call.
 struct RefineScratch {
   std::vector<Slot> slots, sorted;
@@ -26,9 +36,11 @@ struct RefineScratch {
 };
 
 // Fills `section` (ascending slots). False, with `section` unspecified, if it would hold more than `max_nodes`.
-// Nodes that are known to be hidden are left out, if `hidden` is given.
+// Nodes that are known to be hidden are left out, if `hidden` is given. Of each node that a parent in the section leads
+// to, `readable` is asked first, if it is given.
 [[nodiscard]] bool refine(const TerrainDomain& domain, const StoredNodes& nodes, const View& view, size_t max_nodes,
-                          RefineScratch& scratch, Section& section, const HiddenBlocks* hidden = nullptr);
+                          RefineScratch& scratch, Section& section, const HiddenBlocks* hidden = nullptr,
+                          ReadableNodes* readable = nullptr);
 
 // The size of a section, as a sample says; lab/README.md has its errors.
 struct SampledSize {
@@ -39,7 +51,8 @@ struct SampledSize {
 // About how many nodes refine() finds for `view`, and for `inner`, which needs no others. It follows one of two of a
 // level's nodes where the level has many, so that it finds at most some ten thousand of any section's.
 [[nodiscard]] SampledSize estimateSize(const TerrainDomain& domain, const StoredNodes& nodes, const View& view,
-                                       const View& inner, RefineScratch& scratch, const HiddenBlocks* hidden = nullptr);
+                                       const View& inner, RefineScratch& scratch, const HiddenBlocks* hidden = nullptr,
+                                       ReadableNodes* readable = nullptr);
 // How many of some nodes a section for `view` has, hidden ones included.
 [[nodiscard]] size_t countNeeded(const TerrainDomain& domain, const StoredNodes& nodes, const View& view,
                                  std::span<const Slot> slots);

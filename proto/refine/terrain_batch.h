@@ -59,6 +59,8 @@ struct TerrainBatch {
   // Computes the nodes' positions, which the functions below need.
   void locate(const TerrainDomain& domain, const Metric& metric, Vectors vectors = widestVectors());
   void findLeast(const Metric& metric, Vectors vectors = widestVectors());
+  // The least error with which node number `i` would pass, as if no horizon hid it; up to rounding, metres.
+  double leastError(size_t i, const Metric& metric) const { return metric.minError(position(i), radius[i]); }
   // `motion` is the step's: the sensitivity of each result is the one that lasts longest at its pace.
   void testWithSlack(const Metric& metric, const MotionBound& motion, Vectors vectors = widestVectors());
 

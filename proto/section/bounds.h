@@ -125,7 +125,25 @@ struct NodeRecord {
   int32_t middle() const { return height() - displacement(); }
   QuantisedError error() const { return {static_cast<uint8_t>(bits >> 48)}; }
   QuantisedRadius radius() const { return {static_cast<uint8_t>(bits >> 56)}; }
+
+  // A client's record, of which a page's radius stands elsewhere, has in place of the radius how the sum of the heights
+  // of the edge's ends is rounded to their middle, so that the ends need not be looked up again. This one is of a node
+  // that is not known yet.
+  static NodeRecord ofEnds(int32_t a, int32_t b) {
+    return of(static_cast<int32_t>((int64_t{a} + b) >> 1), 0, {}, {static_cast<uint8_t>(kHasEnds | ((a ^ b) & 1))});
+  }
+  // The same edge's node, once its height is known, or its error.
+  NodeRecord withHeight(int32_t height) const { return of(height, height - middle(), {}, radius()); }
+  NodeRecord withError(QuantisedError error) const { return of(height(), displacement(), error, radius()); }
+  // Whether ends() may be asked for. Records of scenes say no.
+  bool hasEnds() const { return radius().value >= kHasEnds; }
+  // The sum of the heights of the edge's ends.
+  int32_t ends() const { return 2 * middle() + (radius().value & 1); }
+
   bool operator==(const NodeRecord&) const = default;
+
+ private:
+  static constexpr uint8_t kHasEnds = QuantisedRadius::kMax + 1;
 };
 static_assert(sizeof(NodeRecord) == 8);
 

@@ -139,8 +139,10 @@ LatticePosition FrameTransform::toLattice(const glm::dvec3& p) const {
   if (frame_.kind == FrameKind::kGlobe) {
     const auto [n, height_m] = spheroid_.place(p);
     const CubePoint at = cubePoint(n);
-    const double half = 0.5 * frame_.face_steps;
-    return {(2 * at.face + at.s + 1) * half, (at.t + 1) * half, height_m};
+    const double half = 0.5 * frame_.face_steps, end = (2 * at.face + 2) * half;
+    double x = (2 * at.face + at.s + 1) * half;
+    if (x >= end && at.face % 2 == 1) x = end * (1 - 0x1p-52);  // the east side's own name is elsewhere (cube.h)
+    return {x, (at.t + 1) * half, height_m};
   }
   const glm::dvec2 a = frame_.axis_x_m, b = frame_.axis_y_m;
   const double determinant = a.x * b.y - a.y * b.x;

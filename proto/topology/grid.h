@@ -248,6 +248,51 @@ class GridTopology {
     return page;
   }
 
+  // The slots of apexes() for many nodes of one level above 1: what depends on the level alone is computed once.
+  class ApexSlots {
+   public:
+    ApexSlots(const GridTopology& grid, int level)
+        : grid_(grid),
+          level_(level),
+          t_(grid.scaleLog2At(level)),
+          parent_t_(grid.scaleLog2At(level - 1)),
+          parent_sides_(~static_cast<uint32_t>(level) & 1),
+          tiles_x_(grid.tiles_x_[level - 1]),
+          max_x_(grid.maxX()),
+          max_y_(grid.maxY()),
+          offset_(grid.level_offset_[level - 1]) {}
+    // Of a single apex, twice the same.
+    std::array<Slot, 2> of(NodeId n) const {
+      if (grid_.isCube()) [[unlikely]]
+        return ofCube(n);
+      const uint32_t s = 1u << t_, x = n.x(), y = n.y();
+      if (parent_sides_ != 0) {  // of centres
+        const uint32_t up = rise(x, y, t_);
+        return {slot(x - s, y + up), slot(x + s, y - up)};
+      }
+      const uint32_t along_x = 0 - (x >> t_ & 1), dx = s & ~along_x, dy = s & along_x;
+      const bool has_first = x >= dx && y >= dy, has_second = x + dx <= max_x_ && y + dy <= max_y_;
+      const Slot first = has_first ? slot(x - dx, y - dy) : slot(x + dx, y + dy);
+      return {first, has_second ? slot(x + dx, y + dy) : first};
+    }
+
+   private:
+    [[gnu::noinline]] std::array<Slot, 2> ofCube(NodeId n) const {
+      const NodeList<2> both = grid_.cubeApexes(n, level_);
+      const Slot first = grid_.slot(both.ids[0], level_ - 1);
+      return {first, both.count == 1 ? first : grid_.slot(both.ids[1], level_ - 1)};
+    }
+    Slot slot(uint32_t x, uint32_t y) const {
+      const Slot cell = tileSlot(x >> (parent_t_ + 1), y >> (parent_t_ + 1), tiles_x_);
+      return offset_ + (cell << parent_sides_) + (parent_sides_ & ~(x >> parent_t_));
+    }
+
+    const GridTopology& grid_;
+    int level_;
+    uint32_t t_, parent_t_, parent_sides_, tiles_x_, max_x_, max_y_;
+    Slot offset_;
+  };
+
   // True if the node's support (its one or two triangles) holds data beyond its border.
   bool touchesData(NodeId n) const {
     const uint32_t s = 1u << scaleLog2(n);

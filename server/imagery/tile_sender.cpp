@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <glm/geometric.hpp>
 #include <tuple>
+#include <unordered_set>
 #include <utility>
 
 namespace foreland::server {
 
 TileSender::TileSender(const Hierarchy& hierarchy, std::shared_ptr<const SceneGround> ground, uint32_t held_bytes)
-    : table_(hierarchy.scene().tiles()),
+    : scene_(hierarchy.scene()),
+      table_(hierarchy.scene().tiles()),
       frame_(hierarchy.scene().frame()),
       held_(held_bytes),
       max_needed_bytes_(held_bytes / 2) {
@@ -132,9 +134,20 @@ double TileSender::secondsOfUse(const proto::TileId& tile, const proto::Pose& fr
   return seconds;
 }
 
-Bytes TileSender::messageOf(const proto::TileId& tile) const {
-  const ByteSpan coded = table_.bytes(tile);
-  return proto::encode(proto::TileMessage{tile, *table_.bounds(tile), {coded.begin(), coded.end()}});
+// Nothing if the tile is not there.
+std::optional<Bytes> TileSender::messageOf(const proto::SelectedTile& each) {
+  const ByteSpan coded = table_.bytes(each.tile);
+  std::optional<Bytes> message;
+  const auto encode = [&] {
+    message = proto::encode(proto::TileMessage{each.tile, *table_.bounds(each.tile), {coded.begin(), coded.end()}});
+  };
+  const terrain::PageSupply* supply = scene_.supply();
+  if (!supply)
+    encode();
+  else
+    supply->use(static_cast<uint64_t>(coded.data() - supply->cache().file().data()), coded.size(), each.texel_px,
+                lacking_, encode);
+  return message;
 }
 
 void TileSender::takeStatement(std::vector<Bytes>& out) {
@@ -143,13 +156,22 @@ void TileSender::takeStatement(std::vector<Bytes>& out) {
   stated_ = statement_;
 }
 
+// A tile that is not there waits, and so do those that it is the parent of.
 void TileSender::takeTiles(std::vector<Bytes>& out) {
+  std::unordered_set<uint64_t> left_out;
+  lacking_.clear();
   for (const proto::SelectedTile& each : waiting_) {
     if (!pace_.mayBeSent()) {
       short_until_ = statement_.keyframe + kShortFor;
       break;
     }
-    out.push_back(messageOf(each.tile));
+    std::optional<Bytes> message;
+    if (!left_out.contains(each.tile.parent().key())) message = messageOf(each);
+    if (!message) {
+      left_out.insert(each.tile.key());
+      continue;
+    }
+    out.push_back(std::move(*message));
     pace_.sent(out.back().size());
     held_.add(each.tile, static_cast<uint32_t>(table_.bytes(each.tile).size()), [](const proto::TileId&) {});
     ++statistics_.tiles;

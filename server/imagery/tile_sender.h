@@ -5,8 +5,10 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <span>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "base/bytes.h"
@@ -17,6 +19,7 @@
 #include "server/imagery/tile_pace.h"
 #include "server/imagery/visible_ground.h"
 #include "server/section/hierarchy.h"
+#include "terrain/store/distant/chunk_cache.h"
 
 namespace foreland::server {
 
@@ -63,6 +66,9 @@ class TileSender {
   void takeStatement(std::vector<Bytes>& out);
   // The tiles that follow the keyframe, as the pace allows.
   void takeTiles(std::vector<Bytes>& out);
+  // Of a scene at a distance: what the last takeTiles() could not take because it is not there, in the order of texels
+  // on the screen.
+  std::vector<terrain::ChunkCache::Wish> takeLacking() { return std::exchange(lacking_, {}); }
 
   // Whether tiles had to wait for the link, lately.
   bool isShort() const { return statement_.keyframe < short_until_; }
@@ -81,9 +87,11 @@ class TileSender {
   void sortWaiting();
   bool isWorthItsBytes(const proto::SelectedTile& tile, const proto::Pose& from) const;
   double secondsOfUse(const proto::TileId& tile, const proto::Pose& from) const;
-  Bytes messageOf(const proto::TileId& tile) const;
+  std::optional<Bytes> messageOf(const proto::SelectedTile& each);
 
+  const terrain::Scene& scene_;
   const terrain::TileTable& table_;
+  std::vector<terrain::ChunkCache::Wish> lacking_;
   proto::FrameTransform frame_;
   proto::TileMemory held_;
   uint64_t max_needed_bytes_;  // half of what the viewer holds, so that what is needed is not dropped for the rest

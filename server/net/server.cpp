@@ -293,6 +293,7 @@ class Server::Impl {
                                        .queue_depth = pool_.queueDepth(),
                                        .lateness = &pool_.lateness(),
                                        .coded_pages = codedPages(),
+                                       .store = storeCounts(),
                                        .viewers_by_scene = viewersByScene()});
   }
 
@@ -309,6 +310,29 @@ class Server::Impl {
       sum->woken += counts.woken;
       sum->evicted += counts.evicted;
       sum->damaged += pages->damagedGroups();
+    }
+    return sum;
+  }
+
+  // Of all scenes at a distance.
+  std::optional<StoreCounts> storeCounts() const {
+    std::optional<StoreCounts> sum;
+    for (const std::shared_ptr<const World>& world : worlds_) {
+      const terrain::PageSupply* supply = world->hierarchy.scene().supply();
+      if (!supply) continue;
+      if (!sum) sum.emplace();
+      const terrain::ChunkCache::Counts counts = supply->cache().counts();
+      const uint64_t each = supply->cache().sums().chunk_bytes;
+      sum->there_bytes += counts.there * each;
+      sum->held_bytes += counts.held * each;
+      sum->capacity_bytes += counts.capacity * each;
+      sum->wished += counts.wished;
+      sum->fetched += counts.fetched;
+      sum->fetched_bytes += counts.fetched_bytes;
+      sum->evicted += counts.evicted;
+      sum->failures[0] += counts.failed;
+      sum->failures[1] += counts.unsound;
+      sum->failures[2] += counts.no_room;
     }
     return sum;
   }

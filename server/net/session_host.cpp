@@ -70,6 +70,7 @@ SessionActor::~SessionActor() {
   host_.metrics_.memory_bytes -= static_cast<int64_t>(last.memory_bytes);
   host_.metrics_.tolerances_mpx -= milli(last.tau_px);
   host_.metrics_.coarse -= last.is_coarse;
+  host_.metrics_.lacking -= last.is_lacking;
   host_.metrics_.occluding -= last.is_occluding;
   host_.metrics_.left_out_nodes -= static_cast<int64_t>(last.left_out_nodes);
   if (last.keyframes > 0) --host_.metrics_.flying;
@@ -265,6 +266,7 @@ void SessionActor::countStep(const SessionStatistics& before, Time deadline, Tim
   metrics.memory_bytes += change(&SessionStatistics::memory_bytes);
   metrics.tolerances_mpx += milli(after.tau_px) - milli(before.tau_px);
   metrics.coarse += static_cast<int>(after.is_coarse) - static_cast<int>(before.is_coarse);
+  metrics.lacking += static_cast<int>(after.is_lacking) - static_cast<int>(before.is_lacking);
   metrics.occluding += static_cast<int>(after.is_occluding) - static_cast<int>(before.is_occluding);
   metrics.left_out_nodes += change(&SessionStatistics::left_out_nodes);
   metrics.occlusion_us += static_cast<uint64_t>((after.occlusion_time - before.occlusion_time).us);

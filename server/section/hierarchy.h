@@ -86,15 +86,17 @@ class Hierarchy {
 // The section of a view, from scratch (proto/refine/refine.h).
 [[nodiscard]] inline bool refine(const Hierarchy& hierarchy, const proto::View& view, size_t max_nodes,
                                  proto::RefineScratch& scratch, proto::Section& section,
-                                 const proto::HiddenBlocks* hidden = nullptr) {
-  return proto::refine(hierarchy.domain(), hierarchy.nodes(), view, max_nodes, scratch, section, hidden);
+                                 const proto::HiddenBlocks* hidden = nullptr,
+                                 proto::ReadableNodes* readable = nullptr) {
+  return proto::refine(hierarchy.domain(), hierarchy.nodes(), view, max_nodes, scratch, section, hidden, readable);
 }
 
 // About how many nodes it has, and one for `inner`, from a sample.
 [[nodiscard]] inline proto::SampledSize estimateSize(const Hierarchy& hierarchy, const proto::View& view,
                                                      const proto::View& inner, proto::RefineScratch& scratch,
-                                                     const proto::HiddenBlocks* hidden = nullptr) {
-  return proto::estimateSize(hierarchy.domain(), hierarchy.nodes(), view, inner, scratch, hidden);
+                                                     const proto::HiddenBlocks* hidden = nullptr,
+                                                     proto::ReadableNodes* readable = nullptr) {
+  return proto::estimateSize(hierarchy.domain(), hierarchy.nodes(), view, inner, scratch, hidden, readable);
 }
 
 }  // namespace foreland::server

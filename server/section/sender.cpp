@@ -18,8 +18,9 @@ bool isSimilar(const proto::View& a, const proto::View& b) {
 
 // Whether a page is there and its known nodes have the errors that the page says they were found to have at least; sets
 // its radius.
-bool isPossible(proto::KnownPage& page, const proto::StoredNodes& nodes) {
-  bool is_possible = nodes.hasPage(page.first);
+bool isPossible(proto::KnownPage& page, const proto::StoredNodes& nodes, HeldPages* pages) {
+  if (!nodes.hasPage(page.first) || (pages && !pages->need(page.first))) return false;
+  bool is_possible = true;
   page.knowledge.known.forEach([&](uint8_t low) {
     const proto::NodeRecord& record = nodes[page.first | low];
     is_possible = is_possible && record.error() >= page.knowledge.finest;
@@ -33,6 +34,7 @@ bool isPossible(proto::KnownPage& page, const proto::StoredNodes& nodes) {
 SectionSender::SectionSender(const Hierarchy& hierarchy) : hierarchy_(&hierarchy), adapter_(hierarchy.domain()) {
   makeObjects();
   setMemory(proto::kDefaultMemoryBytes);
+  if (hierarchy.scene().supply()) pages_ = std::make_unique<HeldPages>(hierarchy);
   if (const terrain::EpochTable& table = hierarchy.epochs(); !table.epochs().empty()) {
     epochs_ = std::make_unique<proto::EpochStream>(hierarchy.grid(), table.epochs(), table.baseOffsets());
     scene_time_ = table.epochs().first();
@@ -55,7 +57,7 @@ void SectionSender::setMemory(uint32_t bytes) {
 bool SectionSender::resume(const proto::HeldSections& sections, uint32_t keyframe, Time time, uint32_t fingerprint) {
   std::vector<proto::KnownPage> known = sections.known;
   for (proto::KnownPage& page : known)
-    if (!isPossible(page, hierarchy_->nodes())) return false;
+    if (!isPossible(page, hierarchy_->nodes(), pages_.get())) return false;
   proto::InMemoryNodes source = hierarchy_->source();
   proto::TerrainAdapter adapter(hierarchy_->domain(), sections.terrain.slots, source);
   adapter.memory().pages.setBudget(adapter_.memory().pages.budget());
@@ -95,7 +97,8 @@ bool SectionSender::isLikelyToFit(const proto::View& view, size_t max_nodes) con
 
 SectionSize SectionSender::measure(const proto::View& view, size_t max_nodes, SendScratch& scratch) const {
   const SectionSize too_large{.fits = false, .nodes = max_nodes, .added = max_nodes};
-  if (!refine(*hierarchy_, view, max_nodes, scratch.refine, scratch.section, hiddenBlocks())) return too_large;
+  if (!refine(*hierarchy_, view, max_nodes, scratch.refine, scratch.section, hiddenBlocks(), pages_.get()))
+    return too_large;
   SectionSize size{.fits = true, .nodes = scratch.section.slots.size(), .added = 0};
   proto::KnownNodes known(adapter_);
   for (proto::Slot slot : scratch.section.slots) size.added += known.has(slot) ? 0 : 1;
@@ -133,7 +136,7 @@ double SectionSender::objectNodes(const proto::View& view, SendScratch& scratch)
 
 proto::SampledSize SectionSender::estimate(const proto::View& view, const proto::View& inner,
                                            SendScratch& scratch) const {
-  proto::SampledSize size = estimateSize(*hierarchy_, view, inner, scratch.refine, hiddenBlocks());
+  proto::SampledSize size = estimateSize(*hierarchy_, view, inner, scratch.refine, hiddenBlocks(), pages_.get());
   size.nodes += objectNodes(view, scratch);
   size.within += objectNodes(inner, scratch);
   return size;
@@ -149,6 +152,10 @@ proto::SampledSize SectionSender::estimateWithin(const proto::View& inner, SendS
   const double of_terrain = static_cast<double>(adapter_.nodeCount()) * static_cast<double>(needed) /
                             static_cast<double>(std::max<size_t>(sample.size(), 1));
   return {static_cast<double>(nodeCount()), of_terrain + objectNodes(inner, scratch), sample.size()};
+}
+
+double SectionSender::toleranceThere(const proto::View& view, SendScratch& scratch) {
+  return pages_ ? pages_->tolerance(view, scratch.refine, scratch.section) : view.tau_px;
 }
 
 bool SectionSender::send(const proto::View& view, Time time, size_t max_nodes, SendScratch& scratch, Bytes& out,
@@ -185,6 +192,7 @@ bool SectionSender::send(const proto::View& view, Time time, size_t max_nodes, S
   bits_ = encoder.bits();
   keyframe_.fingerprint += proto::fingerprint(scratch.delta.added) - proto::fingerprint(scratch.delta.removed);
   encoder.finish();
+  if (pages_) pages_->endKeyframe();
   is_restarted_ = false;
 
   proto::KeyframeHeader header = keyframe_;

@@ -13,6 +13,7 @@
 #include "proto/codec/section_codec.h"
 #include "proto/message/message.h"
 #include "proto/refine/adapter.h"
+#include "server/section/held_pages.h"
 #include "server/section/hierarchy.h"
 
 namespace foreland::server {
@@ -84,9 +85,17 @@ class SectionSender {
   // small one, and the objects.
   [[nodiscard]] proto::SampledSize estimateWithin(const proto::View& inner, SendScratch& scratch) const;
 
+  // Of a scene at a distance: the least tolerance, of those from the view's on, for which send() has all that it reads;
+  // else the view's (held_pages.h). Cost: of a scene at a distance one refinement from scratch, else none.
+  [[nodiscard]] double toleranceThere(const proto::View& view, SendScratch& scratch);
+  // Null unless the scene is at a distance.
+  HeldPages* pages() { return pages_.get(); }
+
   // Adapts the sections to `view` and appends the keyframe message to `out`. False, with nothing appended, if they
   // would have more than `max_nodes` together: the next keyframe then starts from nothing, and must be for a view that
   // was measured.
+  //
+  // The view of a scene at a distance has a tolerance of toleranceThere(), or a larger one.
   //
   // After success keyframe() holds the view as the viewer decodes it: pose as by proto::asSentInHeader, tolerance as a
   // float, region as short floats that are no smaller. scratch.delta holds the nodes of the terrain that were added and
@@ -129,6 +138,7 @@ class SectionSender {
   void empty(size_t object, proto::CutDelta& delta);
 
   const Hierarchy* hierarchy_;
+  std::unique_ptr<HeldPages> pages_;
   proto::TerrainAdapter adapter_;
   bool tells_blocks_ = false;
   // Adapts over all deltas sent. Null before the first one, for it is large, and many viewers only look on.

@@ -208,7 +208,10 @@ void Session::prefetch(SessionScratch& scratch) {
   proto::View view = viewFor(input_.motion(), input_.request(), keyframe().tau_px, later, {});
   view.tau_px = keyframe().tau_px;
   // If the section is too large, more than enough has been read.
-  (void)refine(world_->hierarchy, view, maxNodes(), scratch.send.refine, scratch.send.section);
+  if (HeldPages* pages = sender_.pages())
+    pages->expect(view, maxNodes(), scratch.send.refine, scratch.send.section);
+  else
+    (void)refine(world_->hierarchy, view, maxNodes(), scratch.send.refine, scratch.send.section);
   prefetch_pace_.begun(state_.now);
   did_ = Did::kPrefetch;
   ++statistics_.prefetches;
@@ -241,7 +244,8 @@ void Session::noteComputeTime(Duration spent, uint64_t pages_read) {
   if (did_ == Did::kKeyframe)
     state_.compute_time = std::max(spent, Duration{(state_.compute_time.us * 15 + spent.us) / 16});
   if (did_ == Did::kRequest) postponeReplies(state_.now + spent + spent * kRest);
-  if (did_ == Did::kPrefetch) prefetch_pace_.ended(state_.now, pages_read);
+  const size_t lacking = sender_.pages() ? sender_.pages()->expected() : 0;  // is read from the store
+  if (did_ == Did::kPrefetch) prefetch_pace_.ended(state_.now, pages_read + lacking);
   if (did_ == Did::kKeyframe) prefetch_pace_.keyframeRead(state_.now, pages_read);
 }
 

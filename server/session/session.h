@@ -104,6 +104,7 @@ struct SessionStatistics {
   uint64_t jumps = 0;                  // The camera's jumps were recognised (proto/space/jump.h) or announced.
   double tau_px = 0;                   // The last keyframe has this tolerance.
   bool is_coarse = false;              // The last keyframe's tolerance is larger than the viewer asked for.
+  bool is_lacking = false;             // Likewise, because of pages that are not there, of a scene at a distance.
   uint64_t tiles = 0, tile_bytes = 0;  // So many tiles were sent.
   bool resumed = false;  // The session started from a section that the viewer held from an earlier connection.
 };
@@ -205,6 +206,7 @@ class Session {
   bool sendKeyframe(Keyframe keyframe, size_t max_nodes, SessionScratch& scratch, Bytes& message);
   void sendWithTiles(Bytes message, const Keyframe& keyframe, std::vector<Bytes>& out);
   void notePredictions(const Keyframe& keyframe);
+  double eyeError(Duration until_next) const;
   ViewerOcclusion* visibilityFor(const Keyframe& keyframe);
   size_t nodesToCompare() const;
   void compareOcclusion(SessionScratch& scratch);

@@ -48,8 +48,15 @@ Session::Keyframe Session::viewOf(Time t, SessionScratch& scratch) {
 // Computes a keyframe whose section is within all limits. False if it turned out to be larger than `max_nodes`.
 bool Session::sendKeyframe(Keyframe keyframe, size_t max_nodes, SessionScratch& scratch, Bytes& message) {
   fitBudget(keyframe.view, scratch);
+  const auto tau_px = static_cast<float>(keyframe.view.tau_px);  // as in the header
+  keyframe.view.tau_px = sender_.toleranceThere(asDecoded(keyframe.view, tau_px), scratch.send);
   ViewerOcclusion* const visibility = visibilityFor(keyframe);
   return sender_.send(keyframe.view, keyframe.time_client, max_nodes, scratch.send, message, visibility, visibility);
+}
+
+// How far eyes may be from where the camera's is expected.
+double Session::eyeError(Duration until_next) const {
+  return input_.motion().eyeError(foreseenFor(state_, until_next)) + input_.request().eye_radius_m;
 }
 
 // What finds out what is hidden in a keyframe; null if nothing is to be left out.
@@ -69,8 +76,7 @@ ViewerOcclusion* Session::visibilityFor(const Keyframe& keyframe) {
   }
   const Time t = keyframe.time_client;
   occlusion_->expect(eyePathOf(input_.motion().expected(input_.request()), shownFrom(state_, t),
-                               shownUntil(state_, t, keyframe.until_next), state_.grid,
-                               input_.motion().eyeError(foreseenFor(state_, keyframe.until_next))));
+                               shownUntil(state_, t, keyframe.until_next), state_.grid, eyeError(keyframe.until_next)));
   return occlusion_.get();
 }
 
@@ -169,6 +175,7 @@ void Session::count(const KeyframePlan& plan, const SessionScratch& scratch) {
   statistics_.nodes_removed += scratch.send.delta.removed.size();
   statistics_.tau_px = keyframe().tau_px;
   statistics_.is_coarse = isCoarserThanWanted();
+  statistics_.is_lacking = sender_.pages() && sender_.pages()->isLacking();
   statistics_.nodes_tested = sender_.adapter().testCount();
   statistics_.nodes_swept = sender_.adapter().sweptCount();
   if (occlusion_) countOcclusion();
@@ -207,7 +214,7 @@ void Session::sendWithTiles(Bytes message, const Keyframe& keyframe, std::vector
   const bool is_on_path = input_.motion().isOnPath(request), looks_far = tiles_->isShort() || is_on_path;
   const Time later = t + Duration::seconds(looks_far ? 1 + index % kMaxSecondsAhead : 1);
   const ExpectedMotion motion = input_.motion().expected(request);
-  const double unknown_m = input_.motion().eyeError(foreseenFor(state_, keyframe.until_next));
+  const double unknown_m = eyeError(keyframe.until_next);
   const auto eyesOf = [&](Time begin, Time end) {
     EyeCapsule eyes = capsuleOf(motion, begin, end);
     eyes.radius_m += unknown_m;
@@ -225,6 +232,7 @@ void Session::sendWithTiles(Bytes message, const Keyframe& keyframe, std::vector
   tiles_->takeStatement(out);
   out.push_back(std::move(message));
   tiles_->takeTiles(out);
+  if (HeldPages* pages = sender_.pages()) pages->expectTiles(tiles_->takeLacking());
   statistics_.tiles = tiles_->statistics().tiles;
   statistics_.tile_bytes = tiles_->statistics().bytes;
 }

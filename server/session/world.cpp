@@ -14,9 +14,11 @@ constexpr std::array kOcclusionNames{"off", "auto", "on"};
 
 World::World(std::shared_ptr<const terrain::Scene> scene, SceneObjects objects, const SightSetup& setup)
     : hierarchy(std::move(scene), proto::ErrorBound::kSpheroid, std::move(objects)),
-      sight(std::make_unique<SightSupply>(hierarchy, setup.building, setup.options)) {
+      sight(std::make_unique<SightSupply>(hierarchy, setup.building,
+                                          hierarchy.scene().supply() ? SightOptions{0} : setup.options)) {
   if (hierarchy.epochs().epochs().blend() != proto::EpochBlend::kLinear)
     motion = std::make_unique<const GroundMotion>(hierarchy);
+  if (hierarchy.scene().supply()) return;  // what is prepared reads all of the ground
   if (hierarchy.scene().tiles().layers().empty() || !hierarchy.epochs().epochs().empty()) return;
   if (hierarchy.grid().isCube()) return;  // squares of the ground know no seams; tiles' own bounds do
   ground = std::make_shared<const SceneGround>(SceneGround{GroundSquares(hierarchy), HorizonGrid::of(hierarchy)});
@@ -35,7 +37,11 @@ Result<std::shared_ptr<const World>> openWorld(std::shared_ptr<const terrain::Sc
   auto objects = objectsOf(scene);
   if (!objects) return objects.error();
   auto world = std::make_shared<World>(std::move(scene), std::move(*objects), sight);
-  if (occlusion != Occlusion::kOff) {
+  if (world->hierarchy.scene().supply() && occlusion == Occlusion::kOn)
+    return Error{ErrorCode::kUnsupported,
+                 "what ridges of a scene at a distance hide is not known, for most of it is not here; serve it without "
+                 "--occlusion on, or copy it here"};
+  if (occlusion != Occlusion::kOff && !world->hierarchy.scene().supply()) {
     auto shared = SceneOcclusion::create(world->hierarchy, world->ground ? world->ground->grid : nullptr);
     if (!shared && occlusion == Occlusion::kOn) return shared.error();
     if (shared) world->occlusion = std::move(*shared);

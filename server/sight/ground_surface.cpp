@@ -23,6 +23,16 @@ bool passesBy(const SightLine& line, const SightLine::Aside& a, const SightLine:
 
 }  // namespace
 
+double offsetAt(const terrain::EpochTable& epochs, const proto::GridTopology& grid, NodeId v,
+                const proto::EpochWeights& time) {
+  if (epochs.epochs().empty()) return 0;
+  double offset = 0;
+  for (uint32_t k = 0; k < time.count; ++k)
+    if (const uint32_t epoch = time.epoch[k]; epochs.epochs().mayMove(epoch, v))
+      offset += time.weight[k] * epochs.offset(epoch, grid, v);
+  return offset;
+}
+
 GroundSurface::GroundSurface(const Hierarchy& hierarchy)
     : frame_(hierarchy.frame()),
       grid_(hierarchy.grid()),
@@ -38,13 +48,7 @@ GroundSurface::GroundSurface(const Hierarchy& hierarchy)
 }
 
 double GroundSurface::height(uint32_t x, uint32_t y, const proto::EpochWeights& time) const {
-  double height = heights_[size_t{y} * columns_ + x];
-  if (!moving_) return height;
-  const NodeId v = NodeId::at(x, y);
-  for (uint32_t k = 0; k < time.count; ++k)
-    if (const uint32_t epoch = time.epoch[k]; epochs_.epochs().mayMove(epoch, v))
-      height += time.weight[k] * epochs_.offset(epoch, grid_, v);
-  return height;
+  return heights_[size_t{y} * columns_ + x] + offsetAt(epochs_, grid_, NodeId::at(x, y), time);
 }
 
 Box GroundSurface::boundsOf(uint32_t block) const {

@@ -15,6 +15,10 @@
 
 namespace foreland::server {
 
+// How far a vertex has moved at a scene time since the first epoch; quanta, upwards.
+double offsetAt(const terrain::EpochTable& epochs, const proto::GridTopology& grid, proto::NodeId v,
+                const proto::EpochWeights& time);
+
 class GroundSurface {
  public:
   static constexpr uint32_t kBlock = 4;

@@ -48,12 +48,19 @@ std::array<double, 2> SightLine::meetPlane(const glm::dvec3& normal, const glm::
   return one < other ? std::array{one, other} : std::array{other, one};
 }
 
+// As far as rounding lets one tell: between two points of one triangle it is noise where a path would meet it.
+bool SightLine::isInPlane(const glm::dvec3& unit_normal, const glm::dvec3& point) const {
+  const auto isNear = [](double metres) { return std::fabs(metres) <= kTouch_m; };
+  return isNear(glm::dot(unit_normal, from_ - point)) && isNear(glm::dot(unit_normal, from_ + way_ - point)) &&
+         isNear(sag_m_ * glm::dot(unit_normal, up_));
+}
+
 std::optional<double> SightLine::meet(const std::array<glm::dvec3, 3>& t, const std::array<Aside, 3>& asides) const {
   const auto [first, last] = std::minmax({asides[0].share, asides[1].share, asides[2].share});
   if (!isMet(asides, touchMetres(first, last))) return std::nullopt;
   const glm::dvec3 u = t[1] - t[0], v = t[2] - t[0], n = glm::cross(u, v);
   const double area2 = glm::dot(n, n);
-  if (area2 == 0) return std::nullopt;
+  if (area2 == 0 || isInPlane(n / std::sqrt(area2), t[0])) return std::nullopt;
   const double lack = kTouch_m * (glm::length(u) + glm::length(v)) / std::sqrt(area2);  // of a corner's weight
   for (const double share : meetPlane(n, t[0])) {
     if (!(share > firstShare() && share < lastShare())) continue;

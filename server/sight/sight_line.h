@@ -3,7 +3,7 @@
 //
 //   planar scenes      down by (1 - k) s (D - s) / 2R at s of the horizontal distance D: the map is flat, so the earth's
 //                      curvature (radius R) is in the line instead
-//   geographic scenes  up by k s (D - s) / 2R: the scene is as round as the earth is, so a straight line is exact
+//   other scenes       up by k s (D - s) / 2R: the scene is as round as the earth is, so a straight line is exact
 //
 // with k the coefficient of refraction: 0 for straight lines, 1/7 for light in usual air, which gdal_viewshed has as
 // `-cc 0.85714`. Everything is computed in doubles. A triangle's corners are taken to coordinates in which the path is
@@ -40,6 +40,10 @@ class SightLine {
   // A share of the way: 0 at `from`, 1 at `to`.
   glm::dvec3 at(double share) const { return from_ + share * way_ - (sagAt(share) * up_); }
   double lengthMetres() const { return length_m_; }
+  const glm::dvec3& from() const { return from_; }
+  const glm::dvec3& way() const { return way_; }  // to the other end
+  const glm::dvec3& up() const { return up_; }    // at the chord's middle
+  double sag() const { return sag_m_; }           // of the path's middle below the chord's, metres
   // Of its middle from the chord, either way.
   double sagMetres() const { return sag_m_ < 0 ? -sag_m_ : sag_m_; }
   // The shares between which it can be hidden.
@@ -61,6 +65,7 @@ class SightLine {
 
  private:
   double sagAt(double share) const { return 4 * sag_m_ * share * (1 - share); }
+  bool isInPlane(const glm::dvec3& unit_normal, const glm::dvec3& point) const;
   std::array<double, 2> meetPlane(const glm::dvec3& normal, const glm::dvec3& point) const;
 
   glm::dvec3 from_, way_, up_;

@@ -35,9 +35,18 @@ double reachOf(const proto::ObjectPlacement& p, const ObjectSurface& surface) {
   return diagonal + glm::length(p.rise.quantum) * std::max(std::fabs(p.rise.range[0]), std::fabs(p.rise.range[1]));
 }
 
+// The body with all that stands on it: of its ground the tree knows nothing.
+BoxTree::Space spaceOfGlobe(const Hierarchy& hierarchy, const Surfaces& surfaces) {
+  BoxTree::Space space{.reach_m = hierarchy.frame().transform().frame().semi_major_m, .margin_m = kBend_m};
+  for (const proto::ObjectPlacement& p : hierarchy.objects().set.placements())
+    space.reach_m = std::max(space.reach_m, glm::length(p.position) + reachOf(p, *surfaces[p.model]));
+  return space;
+}
+
 BoxTree::Space spaceOf(const Hierarchy& hierarchy, const Surfaces& surfaces) {
   const proto::GridShape& shape = hierarchy.grid().shape();
   const proto::FrameTransform& transform = hierarchy.frame().transform();
+  if (shape.is_cube) return spaceOfGlobe(hierarchy, surfaces);
   const double x = shape.samples_x - 1, y = shape.samples_y - 1;
   const auto at = [&](double at_x, double at_y) { return transform.toScene(proto::LatticePosition{at_x, at_y, 0}); };
   BoxTree::Space space;
@@ -55,6 +64,9 @@ BoxTree::Space spaceOf(const Hierarchy& hierarchy, const Surfaces& surfaces) {
   return space;
 }
 
+// Of heights that are held: of globes none.
+uint64_t groundBytes(const proto::GridShape& shape) { return shape.is_cube ? 0 : GroundSurface::bytesFor(shape); }
+
 Error tooLarge(uint64_t needed, uint64_t allowed) {
   return {ErrorCode::kLimit, "lines of sight over this scene take " + std::to_string(needed >> 20) +
                                  " MiB of memory, and may have " + std::to_string(allowed >> 20)};
@@ -64,23 +76,29 @@ Error tooLarge(uint64_t needed, uint64_t allowed) {
 
 SightScene::SightScene(const Hierarchy& hierarchy, uint64_t tree_bytes)
     : hierarchy_(hierarchy),
-      ground_(hierarchy),
       surfaces_(surfacesOf(hierarchy.objects())),
       space_(spaceOf(hierarchy, surfaces_)),
-      tree_(space_, tree_bytes) {}
+      tree_(space_, tree_bytes) {
+  if (hierarchy.grid().isCube())
+    triangles_.emplace(hierarchy);
+  else
+    ground_.emplace(hierarchy);
+}
 
 Result<std::shared_ptr<const SightScene>> SightScene::create(const Hierarchy& hierarchy, const SightOptions& options) {
-  if (hierarchy.grid().isCube()) return Error{ErrorCode::kUnsupported, "who sees what is not known of globes"};
   constexpr uint64_t kTreePerBlock = 96, kBytesPerNode = 40;  // about; a node has two triangles
   const proto::GridShape& shape = hierarchy.grid().shape();
-  const uint64_t samples = uint64_t{shape.samples_x} * shape.samples_y, heights = GroundSurface::bytesFor(shape);
+  const uint64_t samples = shape.is_cube ? 0 : uint64_t{shape.samples_x} * shape.samples_y,
+                 heights = groundBytes(shape);
   uint64_t needed = heights + samples / (GroundSurface::kBlock * GroundSurface::kBlock) * kTreePerBlock;
   for (const proto::ModelNodes& model : hierarchy.objects().nodes) needed += model.records.size() * kBytesPerNode;
   if (needed > options.max_bytes) return tooLarge(needed, options.max_bytes);
   std::shared_ptr<SightScene> scene(new SightScene(hierarchy, options.max_bytes - heights));
   SightScene& s = *scene;
-  const auto box_of = [&s](uint32_t block) { return s.ground_.boundsOf(block); };
-  if (Status added = s.tree_.addBoxes(s.ground_.blocks(), box_of); !added.ok()) return added.error();
+  if (s.ground_) {
+    const auto box_of = [&s](uint32_t block) { return s.ground_->boundsOf(block); };
+    if (Status added = s.tree_.addBoxes(s.ground_->blocks(), box_of); !added.ok()) return added.error();
+  }
   if (Status added = s.addObjects(); !added.ok()) return added.error();
   if (Status built = s.tree_.commit(); !built.ok()) return built.error();
   if (s.bytes() > options.max_bytes) return tooLarge(s.bytes(), options.max_bytes);
@@ -140,7 +158,8 @@ SightTime SightScene::at(std::optional<Time> scene_time) const {
 
 std::optional<glm::dvec3> SightScene::aboveGround(const glm::dvec2& lattice, double height_m,
                                                   const SightTime& time) const {
-  const std::optional<glm::dvec3> ground = ground_.pointAt(lattice.x, lattice.y, time.ground);
+  const std::optional<glm::dvec3> ground = ground_ ? ground_->pointAt(lattice.x, lattice.y, time.ground)
+                                                   : triangles_->pointAt(lattice.x, lattice.y, time.ground);
   if (!ground) return std::nullopt;
   return *ground + height_m * transform().upAt(*ground);
 }
@@ -149,6 +168,10 @@ std::optional<glm::dvec3> SightScene::onZeroSurface(const glm::dvec2& lattice, d
   const proto::Frame& frame = transform().frame();
   const double latitude = frame.latitude0_rad + lattice.y * frame.latitude_step_rad;
   if (frame.kind == proto::FrameKind::kGeographic && !(std::fabs(latitude) <= std::numbers::pi / 2))
+    return std::nullopt;
+  const proto::GridShape& shape = hierarchy_.grid().shape();
+  if (shape.is_cube &&
+      !(lattice.x >= 0 && lattice.y >= 0 && lattice.x <= shape.samples_x - 1.0 && lattice.y <= shape.samples_y - 1.0))
     return std::nullopt;
   const glm::dvec3 at = transform().toScene(proto::LatticePosition{lattice.x, lattice.y, height_m});
   if (!(glm::length(at) <= kMaxReach_m)) return std::nullopt;
@@ -170,12 +193,18 @@ struct SightScene::Question {
     ++work;
     const double before = first;
     if (instance == BoxTree::kNoInstance) {
-      if (const auto share = scene.ground_.meet(line, box, first, time.ground))
+      if (const auto share = scene.ground_->meet(line, box, first, time.ground))
         first = *share, object = SightHit::kGround, is_hidden = true;
     } else {
       askObject(instance, box);
     }
     return first < before;
+  }
+  // The same of all the ground of a globe.
+  void askGlobe(TriangleTree::Wanted wanted) {
+    if (!scene.triangles_) return;
+    if (const auto share = scene.triangles_->meet(line, wanted, first, time.ground, work))
+      first = *share, is_hidden = true;
   }
 
   void askObject(int32_t instance, uint32_t group) {
@@ -199,6 +228,7 @@ std::optional<SightHit> SightScene::firstHit(const glm::dvec3& from, const glm::
                                              const SightTime& time, uint64_t* work) const {
   const SightLine line(transform(), from, to, refraction);
   Question question{*this, line, time};
+  question.askGlobe(TriangleTree::Wanted::kFirst);
   const double count = pieces(line.sagMetres());
   for (double i = 0; i < count && question.first > i / count; ++i) {
     const double begin = i / count, end = (i + 1) / count;
@@ -216,6 +246,7 @@ bool SightScene::sees(const glm::dvec3& from, const glm::dvec3& to, double refra
                       uint64_t* work) const {
   const SightLine line(transform(), from, to, refraction);
   Question question{*this, line, time};
+  question.askGlobe(TriangleTree::Wanted::kAny);
   const double count = pieces(line.sagMetres());
   for (double i = 0; i < count && !question.is_hidden; ++i)
     tree_.cast(line.at(i / count), line.at((i + 1) / count),
@@ -225,7 +256,7 @@ bool SightScene::sees(const glm::dvec3& from, const glm::dvec3& to, double refra
 }
 
 uint64_t SightScene::bytes() const {
-  uint64_t bytes = tree_.bytes() + GroundSurface::bytesFor(hierarchy_.grid().shape());
+  uint64_t bytes = tree_.bytes() + groundBytes(hierarchy_.grid().shape());
   for (const auto& surface : surfaces_)
     if (surface) bytes += surface->bytes();
   return bytes;

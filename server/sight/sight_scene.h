@@ -2,9 +2,11 @@
 // (box_tree.h) finds the blocks of ground and the groups of an object's triangles that a line may pass through; their
 // triangles are tested in doubles (sight_line.h). So the answer does not depend on how large the scene is, and one tree
 // answers for every scene time. It shares nothing with the proofs of what a viewer need not be sent (server/occlusion).
+// The ground of a globe is looked for in the scene's own pages instead (triangle_tree.h), for its lattice is far larger
+// than what is there of it.
 //
-// Immutable after creation; any thread may ask. Memory: about 9 bytes a sample, and 20 a triangle of a model, however
-// often that stands in the scene; bytes() tells.
+// Immutable after creation; any thread may ask. Memory: about 9 bytes a sample of ground that is no globe's, and 20 a
+// triangle of a model, however often that stands in the scene; bytes() tells.
 #pragma once
 
 #include <cstdint>
@@ -21,6 +23,7 @@
 #include "server/sight/box_tree.h"
 #include "server/sight/ground_surface.h"
 #include "server/sight/object_surface.h"
+#include "server/sight/triangle_tree.h"
 
 namespace foreland::server {
 
@@ -51,15 +54,16 @@ class SightScene {
 
   // As it is at a scene time; without one at the last epoch. Of scenes that do not change every time is the same.
   SightTime at(std::optional<Time> scene_time) const;
-  const GroundSurface& ground() const { return ground_; }
+  // Not of a globe.
+  const GroundSurface& ground() const { return *ground_; }
   // Scene frame, of a point so far above the ground at a lattice position. Nothing beyond the data.
   std::optional<glm::dvec3> aboveGround(const glm::dvec2& lattice, double height_m, const SightTime& time) const;
-  // The same above the zero surface, beyond the data too; nothing beyond the poles.
+  // The same above the zero surface, beyond the data too; nothing beyond the poles, or beyond a globe's lattice.
   std::optional<glm::dvec3> onZeroSurface(const glm::dvec2& lattice, double height_m) const;
 
   // The first point that hides `to` from `from`, or nothing; scene frame, finite, not farther than kMaxReach_m from its
-  // origin. `refraction` as SightLine has it. A few microseconds; more for lines that pass close above much ground.
-  // `work` is raised by the number of blocks and groups that were looked at.
+  // origin. `refraction` as SightLine has it. A few microseconds; more over globes, and for lines that pass close
+  // above much ground. `work` is raised by the number of blocks, groups and triangles that were looked at.
   static constexpr double kMaxReach_m = 2e7;
   std::optional<SightHit> firstHit(const glm::dvec3& from, const glm::dvec3& to, double refraction,
                                    const SightTime& time, uint64_t* work = nullptr) const;
@@ -79,7 +83,8 @@ class SightScene {
   double pieces(double sag_m) const;
 
   const Hierarchy& hierarchy_;
-  GroundSurface ground_;
+  std::optional<GroundSurface> ground_;
+  std::optional<TriangleTree> triangles_;                       // instead, of a globe
   std::vector<std::unique_ptr<const ObjectSurface>> surfaces_;  // of each model; null if nothing is of it
   BoxTree::Space space_;  // its margin is how far a bent path may be from the straight pieces that are cast
   BoxTree tree_;

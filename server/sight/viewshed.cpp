@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <string>
 #include <utility>
@@ -43,6 +44,8 @@ glm::dvec2 planarReach(const proto::Frame& frame, double radius_m) {
 glm::dvec2 reachOf(const proto::FrameTransform& transform, const proto::GridShape& shape, const glm::dvec2& observer,
                    double radius_m) {
   if (transform.frame().kind == proto::FrameKind::kPlanar) return planarReach(transform.frame(), radius_m);
+  // Steps of a face differ by a factor of 1.42 at most.
+  if (shape.is_cube) return 2 * radius_m / spacingAt(transform, observer);
   const glm::dvec2 here = spacingAt(transform, observer);
   // The chord is shorter than the way along the surface; both are the same to the fourth digit up to 300 km.
   const double reach_y = std::min(1.3 * radius_m / here.y, 2.0 * shape.samples_y);
@@ -52,9 +55,21 @@ glm::dvec2 reachOf(const proto::FrameTransform& transform, const proto::GridShap
   return {std::min(1.3 * radius_m / std::max(shortest, 1e-9), 2.0 * shape.samples_x), reach_y};
 }
 
-// The multiples of `step` within `reach` of `at` and within 0..last: the first and how many.
-std::pair<double, double> multiples(double at, double reach, double step, double last) {
-  const double low = std::ceil(std::max(0.0, at - reach) / step), high = std::floor(std::min(last, at + reach) / step);
+// Where cells may lie: the data, of a globe the observer's face of them, whose east side may be named by another one.
+struct Reachable {
+  glm::dvec2 low{0}, high{0};
+};
+Reachable reachableFrom(const proto::GridTopology& grid, const glm::dvec2& observer) {
+  const proto::GridShape& shape = grid.shape();
+  if (!shape.is_cube) return {{0, 0}, {shape.samples_x - 1.0, shape.samples_y - 1.0}};
+  const double side = grid.rootSize(), face = std::min(std::floor(observer.x / side), proto::Cube::kFaces - 1.0);
+  return {{face * side, 0}, {std::nextafter((face + 1) * side, 0), side}};
+}
+
+// The multiples of `step` within `reach` of `at` and within first..last: the first and how many.
+std::pair<double, double> multiples(double at, double reach, double step, double first, double last) {
+  const double low = std::ceil(std::max(first, at - reach) / step),
+               high = std::floor(std::min(last, at + reach) / step);
   return {low * step, std::max(0.0, high - low + 1)};
 }
 
@@ -68,10 +83,12 @@ Result<ViewshedGrid> Viewshed::gridOf(const Hierarchy& hierarchy, const Viewshed
     return refused("the observer stands beyond the data");
   const proto::FrameTransform& transform = hierarchy.frame().transform();
   ViewshedGrid grid;
-  if (q.cell_m) grid.step = *q.cell_m / spacingAt(transform, q.observer);
-  const glm::dvec2 reach = reachOf(transform, shape, q.observer, q.radius_m);
-  const auto [x, columns] = multiples(q.observer.x, reach.x, grid.step.x, last_x);
-  const auto [y, rows] = multiples(q.observer.y, reach.y, grid.step.y, last_y);
+  const auto [low, high] = reachableFrom(hierarchy.grid(), q.observer);
+  const glm::dvec2 inside = shape.is_cube ? glm::clamp(q.observer, low + 0.5, high - 0.5) : q.observer;
+  if (q.cell_m) grid.step = *q.cell_m / spacingAt(transform, inside);
+  const glm::dvec2 reach = reachOf(transform, shape, inside, q.radius_m);
+  const auto [x, columns] = multiples(q.observer.x, reach.x, grid.step.x, low.x, high.x);
+  const auto [y, rows] = multiples(q.observer.y, reach.y, grid.step.y, low.y, high.y);
   if (columns * rows > static_cast<double>(max_cells))
     return Error{ErrorCode::kLimit, "viewshed: more than " + std::to_string(max_cells) +
                                         " cells; ask for a smaller radius or for larger cells"};

@@ -1,7 +1,7 @@
 // A viewshed: of which cells of a grid something so high above the ground is seen from a point. Each cell is a line of
 // sight of its own to the cell's middle, so no cell depends on another, and it can be made in any order and in slices.
 // The grid lies on the scene's lattice, so that a viewshed of as many metres a cell as the elevation has agrees with it
-// sample by sample. Pure; any thread.
+// sample by sample; over a globe it ends with the observer's face of the cube. Pure; any thread.
 #pragma once
 
 #include <cstdint>

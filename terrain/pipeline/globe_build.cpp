@@ -91,6 +91,7 @@ class GlobeTiles {
       : options_(options), frame_(frame), progress_(progress) {}
 
   Status add(const StoredHeights& ground, SceneWriter::About& about) {
+    about.has_sea = options_.has_sea;
     if (Status s = addObjects(ground, about); !s.ok()) return s;
     auto tiles = TileSection::create(options_.output);
     if (!tiles) return tiles.error();

@@ -25,6 +25,7 @@ struct GlobeOptions {
   const GlobePicture* picture = nullptr;
   int imagery_quality = kDefaultImageryQuality;
   std::string attribution{};  // of the picture
+  bool has_sea = false;       // viewers draw it
 };
 
 // How fine a globe is: faces of 2^whole_log2 steps a side everywhere, of 2^deepest_log2 where the finest inset is, the

@@ -57,7 +57,7 @@ struct FileHeader {
   SectionRange datum;  // after the tiles (datum_section.h); zeros where no vertical datum is stated
   SectionRange pages;  // after the datum: blocks of the pages that are there of sparse levels; zeros if there are none
   PageCoding page_coding = PageCoding::kPlain;
-  uint32_t zero = 0;
+  uint32_t has_sea = 0;  // 1: viewers draw the sea over the ground of a globe that is below it
 
   proto::GridShape shape() const {
     const bool is_cube = frame_kind == static_cast<uint32_t>(proto::FrameKind::kGlobe);

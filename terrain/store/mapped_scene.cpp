@@ -11,8 +11,8 @@ Result<std::shared_ptr<const MappedScene>> MappedScene::open(const std::filesyst
 }
 
 Result<std::shared_ptr<const MappedScene>> MappedScene::of(ByteSpan bytes, const std::string& name,
-                                                           std::shared_ptr<const void> owner,
-                                                           uint64_t page_cache_bytes) {
+                                                           std::shared_ptr<const void> owner, uint64_t page_cache_bytes,
+                                                           std::shared_ptr<const PageSupply> supply) {
   if (bytes.size() < kPageBytes) return damagedFile(name, "it is cut short");
   const auto header = readHeader<FileHeader>(bytes, name);
   if (!header.ok()) return header.error();
@@ -21,6 +21,7 @@ Result<std::shared_ptr<const MappedScene>> MappedScene::of(ByteSpan bytes, const
   if (Status frame = getFrame(*header).validate(grid->maxX(), grid->maxY()); !frame.ok())
     return damagedFile(name, frame.error().message);
   std::shared_ptr<MappedScene> scene(new MappedScene(bytes, std::move(owner), *header, *grid));
+  scene->supply_ = std::move(supply);
   if (const Status status = scene->adopt(page_cache_bytes); !status.ok())
     return damagedFile(name, status.error().message);
   return std::shared_ptr<const MappedScene>(std::move(scene));
@@ -66,8 +67,11 @@ Status MappedScene::adopt(uint64_t page_cache_bytes) {
       (header_.version > FileHeader::kUnstatedVersion) != (datum_bytes > 0))
     return malformed("its version does not go with its vertical datum");
   const bool are_coded = header_.page_coding == PageCoding::kCoded;
-  if ((header_.version > FileHeader::kPlainVersion) != are_coded || header_.zero != 0)
+  if ((header_.version > FileHeader::kPlainVersion) != are_coded)
     return malformed("its version does not go with how its pages are coded");
+  if (header_.has_sea > (frame_.kind == proto::FrameKind::kGlobe ? 1 : 0))
+    return malformed("it has a sea that this version does not know");
+  has_sea_ = header_.has_sea == 1;
   const uint64_t page_bytes = are_coded ? header_.sections[kNodes].bytes : 0;
   if (page_bytes > bytes_.size()) return malformed("its coded pages are too large");
   if (Status pages = readPages(); !pages.ok()) return pages;

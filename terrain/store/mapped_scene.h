@@ -20,9 +20,11 @@ class MappedScene final : public Scene {
   static Result<std::shared_ptr<const MappedScene>> open(const std::filesystem::path& path,
                                                          uint64_t page_cache_bytes = kDefaultPageCacheBytes);
   // Opens a scene whose file is in memory, kept alive by `owner` and aligned to a page. Errors call the file `name`.
+  // With a supply not all of it need be there (distant_scene.h).
   static Result<std::shared_ptr<const MappedScene>> of(ByteSpan bytes, const std::string& name,
                                                        std::shared_ptr<const void> owner,
-                                                       uint64_t page_cache_bytes = kDefaultPageCacheBytes);
+                                                       uint64_t page_cache_bytes = kDefaultPageCacheBytes,
+                                                       std::shared_ptr<const PageSupply> supply = nullptr);
   const FileHeader& header() const { return header_; }
   ByteSpan file() const { return bytes_; }
 

@@ -22,8 +22,8 @@ Status Scene::adoptPages(std::span<const proto::PageBlock> blocks) {
 
 int32_t Scene::height(NodeId v) const {
   const int level = grid_.level(v);
-  if (level > 0 && !isSparse()) return records_[grid_.slot(v, level)].height();
-  return StoredHeights(grid_, directory_, records_, {corners_, centres_}).at(v);
+  if (level > 0 && !isSparse() && !supply_) return records_[grid_.slot(v, level)].height();
+  return StoredHeights(grid_, directory_, records_, {corners_, centres_}, supply_.get()).at(v);
 }
 
 }  // namespace foreland::terrain

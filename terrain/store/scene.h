@@ -18,6 +18,7 @@
 #include "proto/space/frame.h"
 #include "proto/topology/grid.h"
 #include "terrain/store/coded/coded_pages.h"
+#include "terrain/store/distant/page_supply.h"
 #include "terrain/store/tables/datum_section.h"
 #include "terrain/store/tables/epoch_table.h"
 #include "terrain/store/tables/tile_table.h"
@@ -56,6 +57,9 @@ class Scene {
 
   // What heights count from: as the scene states it, else as its reference system does.
   const proto::VerticalDatum& vertical() const { return datum_.vertical; }
+  // Whether viewers draw the sea, at height 0 above the geoid, or above the ellipsoid where none is known; globes
+  // alone.
+  bool hasSea() const { return has_sea_; }
   // What the scene was put together from; empty where it does not state its datum.
   const std::vector<SceneInput>& inputs() const { return datum_.inputs; }
 
@@ -77,6 +81,10 @@ class Scene {
   // What is known of coded pages; null where pages are as they are in memory.
   const CodedPages* coded() const { return coded_.get(); }
 
+  // Which pages and tiles are there, of a scene at a distance (distant_scene.h): whoever reads records() or the bytes
+  // of tiles asks it before. Null where all are.
+  const PageSupply* supply() const { return supply_.get(); }
+
   // How the ground moves in time. Errors and radii of nodes hold for all scene times, heights for the first.
   const EpochTable& epochs() const { return epochs_; }
 
@@ -86,8 +94,9 @@ class Scene {
   // The bytes of the objects, which terrain/objects reads; empty if there are none.
   ByteSpan objectSection() const { return objects_; }
 
-  // Height of any lattice point, node or base vertex, in quanta. Where no page is, the ground is the triangle of the
-  // finest nodes around that are there, and the height is its nearest whole number of quanta there.
+  // Height of any lattice point, node or base vertex, in quanta. Where no page is, in the file or, of a scene at a
+  // distance, here, the ground is the triangle of the finest nodes around that are there, and the height is its nearest
+  // whole number of quanta there.
   int32_t height(proto::NodeId v) const;
 
  protected:
@@ -103,8 +112,10 @@ class Scene {
   HeightRange heights_;
   SceneOrigin origin_;
   SceneDatum datum_;
+  bool has_sea_ = false;
   proto::PageDirectory directory_;
   std::unique_ptr<CodedPages> coded_;
+  std::shared_ptr<const PageSupply> supply_;
   std::span<const NodeRecord> records_;
   std::span<const int32_t> corners_, centres_;
   ByteSpan objects_;

@@ -67,6 +67,7 @@ Result<SceneWriter> SceneWriter::create(const std::filesystem::path& target, con
   h.epoch_blend = static_cast<uint32_t>(about.epoch_blend);
   h.version = versionFor(about, is_stated);
   h.page_coding = about.page_coding;
+  h.has_sea = about.has_sea ? 1 : 0;
 
   auto file = NewFile::create(target, layout.file_bytes, about.mapping);
   if (!file.ok()) return file.error();

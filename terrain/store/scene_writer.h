@@ -28,7 +28,8 @@ class SceneWriter {
     Bytes objects{};  // terrain/objects encodes this section of the file.
     Bytes epochs{};   // epoch_section.h encodes this section of the file.
     proto::EpochBlend epoch_blend = proto::EpochBlend::kLinear;
-    SceneDatum datum{};  // Written if it is stated.
+    SceneDatum datum{};    // Written if it is stated.
+    bool has_sea = false;  // Of globes: viewers draw it (Scene::hasSea).
     PageCoding page_coding = PageCoding::kPlain;
     unsigned threads = 0;                // that code pages; 0: one per processor
     const TileSection* tiles = nullptr;  // A scene without tiles has none; create() alone reads it.

@@ -12,8 +12,16 @@ int32_t StoredHeights::at(NodeId v) const { return static_cast<int32_t>(std::nea
 double StoredHeights::exactAt(NodeId v) const {
   const int level = grid_.level(v);
   if (level == 0) return base_.at(grid_, v);
-  const uint64_t place = pages_.placeOf(grid_.slot(v, level));
-  return place == proto::PageDirectory::kNowhere ? interpolated(v) : records_[place].height();
+  const std::optional<int32_t> height = heightAt(grid_.slot(v, level));
+  return height ? *height : interpolated(v);
+}
+
+std::optional<int32_t> StoredHeights::heightAt(proto::Slot slot) const {
+  const uint64_t place = pages_.placeOf(slot);
+  if (place == proto::PageDirectory::kNowhere) return std::nullopt;
+  if (!supply_) return records_[place].height();
+  proto::NodeRecord record;
+  return supply_->read(records_, place, record) ? std::optional(record.height()) : std::nullopt;
 }
 
 namespace {
@@ -58,7 +66,7 @@ double StoredHeights::interpolated(NodeId v) const {
   Halved t = rootTriangle(grid_, v);
   const uint32_t root_x = t.apex.x() >> grid_.shape().root_log2;
   const auto nameOf = [&](NodeId corner) { return grid_.nameIn(root_x, corner); };
-  for (int level = 1; level <= grid_.maxLevel() && pages_.hasPage(grid_.slot(nameOf(t.middle()), level)); ++level)
+  for (int level = 1; level <= grid_.maxLevel() && heightAt(grid_.slot(nameOf(t.middle()), level)); ++level)
     t = t.halfWith(v);
   const auto all = static_cast<double>(doubleArea(t.a, t.b, t.apex));
   const double sum = static_cast<double>(doubleArea(v, t.b, t.apex)) * at(nameOf(t.a)) +

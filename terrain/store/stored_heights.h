@@ -2,21 +2,23 @@
 // and base heights, which must outlive it; immutable; any thread.
 #pragma once
 
+#include <optional>
 #include <span>
 
 #include "proto/section/bounds.h"
 #include "proto/section/node_tables.h"
 #include "proto/section/page_directory.h"
 #include "proto/topology/grid.h"
+#include "terrain/store/distant/page_supply.h"
 
 namespace foreland::terrain {
 
 class StoredHeights {
  public:
-  // `records` by place in the directory.
+  // `records` by place in the directory. With a supply not all of its pages are there.
   StoredHeights(const proto::GridTopology& grid, const proto::PageDirectory& pages,
-                std::span<const proto::NodeRecord> records, proto::BaseHeights base)
-      : grid_(grid), pages_(pages), records_(records), base_(base) {}
+                std::span<const proto::NodeRecord> records, proto::BaseHeights base, const PageSupply* supply = nullptr)
+      : grid_(grid), pages_(pages), records_(records), base_(base), supply_(supply) {}
 
   // Height of any lattice point, node or base vertex, in quanta. Where no page is, the ground is the triangle of the
   // finest nodes around that are there, and the height is its nearest whole number of quanta there: two look-ups for
@@ -30,11 +32,14 @@ class StoredHeights {
 
  private:
   double interpolated(proto::NodeId v) const;
+  // Nothing if the page is not there.
+  std::optional<int32_t> heightAt(proto::Slot slot) const;
 
   const proto::GridTopology& grid_;
   const proto::PageDirectory& pages_;
   std::span<const proto::NodeRecord> records_;
   proto::BaseHeights base_;
+  const PageSupply* supply_;
 };
 
 }  // namespace foreland::terrain

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <fstream>
+#include <utility>
 
 #include "tests/apps/expect_refusal.h"
 #include "tests/support/files.h"
@@ -79,6 +80,10 @@ TEST_F(BlocksProgram, NameWhatIsWrongAndTheWayOut) {
   expectRefusal("merge", {folder_ / "none.json", blocks(), "-o", scene()}, {"none.json", "no plan"});
   expectRefusal("block", {plan(), "1", "-o", blocks()}, {".block", "MiB"}, {.largest_file_bytes = 8192});
   EXPECT_EQ(filesIn(blocks()), 1u);
+  succeed("block", {plan(), "1", "-o", blocks()});
+  for (const auto& [bytes, way_out] : {std::pair{64, "make room there"}, std::pair{1 << 20, "the file needs"}})
+    expectRefusal("merge", {plan(), blocks(), "-o", scene()}, {scene(), way_out, "MiB"},
+                  {.largest_file_bytes = static_cast<uint64_t>(bytes)});
   EXPECT_FALSE(fs::exists(scene()));
 }
 

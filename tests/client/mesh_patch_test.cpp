@@ -27,6 +27,13 @@ namespace {
 using client::Blend;
 using client::KeyframeMesh;
 
+// Whether ranges, of elements of so many bytes, lie so far apart that none ought to be one with the next.
+bool areApart(const std::vector<client::Range>& ranges, size_t bytes, size_t gap) {
+  for (size_t i = 1; i < ranges.size(); ++i)
+    if ((ranges[i].begin - ranges[i - 1].end) * bytes <= gap) return false;
+  return true;
+}
+
 // What a graphics card holds that is sent the ranges of changes alone.
 struct Uploaded {
   client::BlendMesh mesh;
@@ -35,6 +42,13 @@ struct Uploaded {
     const bool is_all = patched.isAllChanged();
     client::ChangedRanges changes;
     if (!is_all) patched.collectChanges(gap, changes);
+    for (const auto* positions : {&changes.from_positions, &changes.to_positions})
+      ASSERT_TRUE(areApart(*positions, sizeof(glm::vec4), gap));
+    for (const auto* normals : {&changes.from_normals, &changes.to_normals})
+      ASSERT_TRUE(areApart(*normals, sizeof(uint32_t), gap));
+    ASSERT_TRUE(areApart(changes.parameters, sizeof(glm::vec2), gap));
+    ASSERT_TRUE(areApart(changes.bends, sizeof(glm::vec3), gap));
+    ASSERT_TRUE(areApart(changes.triangles, 3 * sizeof(uint32_t), gap));
     const auto upload = [&](const std::vector<client::Range>& ranges, size_t each, const auto& source, auto& held) {
       held.resize(source.size());
       if (is_all) held = source;

@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+
 namespace foreland::client {
 namespace {
 
@@ -38,6 +41,34 @@ TEST(CameraPath, ForgetsJumpsWithThePosesAboutThem) {
   }
   EXPECT_TRUE(camera.hasJumpedSince(Time{20'000 * 2998}));
   EXPECT_FALSE(camera.hasJumpedSince(Time{20'000 * 2999}));
+}
+
+// Each eye has to be in the regions of both keyframes.
+TEST(ShownFrame, GuaranteesWhatTheSectionsDoForAllEyesAboutTheCamera) {
+  const proto::Lens lens{1, 640, 480};
+  Interval interval;
+  interval.from.pose = at(0);
+  interval.to.pose = at(4);
+  for (proto::KeyframeHeader* header : {&interval.from, &interval.to}) {
+    header->lens = lens;
+    header->tau_px = 1;
+    header->region_radius_m = 5;
+    header->region_angle_rad = 0.1F;
+  }
+  Schedule::Shown shown;
+  shown.interval = &interval;
+  shown.weight = 0.5;
+  const auto isGuaranteed = [&](double x, double eye_radius_m) {
+    const ShownFrame frame = showFrame(shown, {}, {at(x), lens, eye_radius_m}, proto::Strategy::kPredict);
+    EXPECT_EQ(frame.is_outside, std::isinf(frame.tolerance_px));
+    return !frame.is_outside;
+  };
+  for (const double x : {-0.9, 0.0, 1.5, 2.0, 3.7, 4.9}) {
+    const double room_m = 5 - std::max(std::abs(x), std::abs(x - 4));
+    EXPECT_TRUE(isGuaranteed(x, 0)) << x;
+    EXPECT_TRUE(isGuaranteed(x, room_m - 1e-3)) << x;
+    EXPECT_FALSE(isGuaranteed(x, room_m + 1e-3)) << x;
+  }
 }
 
 }  // namespace

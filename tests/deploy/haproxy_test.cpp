@@ -1,13 +1,16 @@
-// Two servers behind HAProxy with the configuration of deploy/: whichever stops, dies or is replaced, its viewers
-// resume at the other one, and none starts afresh.
+// Two servers behind HAProxy with the configurations of deploy/: whichever stops, dies or is replaced, its viewers
+// resume at the other one, and none starts afresh; viewers of one scene meet.
 //
 // FORELAND_VIEWERS says how many fly (12), FORELAND_FLY_SECONDS for how long. What they noticed is printed.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstdlib>
 #include <fstream>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <regex>
 #include <string>
 #include <vector>
 
@@ -144,6 +147,67 @@ TEST_F(BehindHaproxy, ViewersResumeWhenBothServersAreReplacedInTurn) {
   replace(0, "a");
   replace(1, "b");
   expectResumed(count_);
+}
+
+// Servers of a fleet by their addresses, as a test has no name server. Their viewers of one scene are at one server,
+// and no server has more than a quarter above the mean.
+TEST(HaproxyFleet, LeadsViewersOfASceneToOneServer) {
+  ASSERT_TRUE(std::filesystem::exists(kHaproxy)) << "install it: tools/install_packages.sh test";
+  const TemporaryFolder folder;
+  const std::vector<std::string> scenes{"alps", "fuji", "helens"};
+  std::vector<std::string> words;
+  for (size_t i = 0; i < scenes.size(); ++i) {
+    FormulaSource source(65, 65, hills(static_cast<uint64_t>(i)));
+    words.push_back(folder / (scenes[i] + ".fls"));
+    ASSERT_TRUE(terrain::buildScene(source, {words.back(), 0.1, 1}).ok());
+  }
+  words.insert(words.end(), {"--log-level", "off", "--listen", local(0), "--agent-listen", ""});
+
+  std::vector<std::unique_ptr<Program>> servers;
+  std::vector<uint16_t> ports;
+  std::string lines;
+  for (const char* name : {"a", "b"}) {
+    const uint16_t agent = freePort();
+    words.back() = local(agent);
+    servers.push_back(std::make_unique<Program>("serve", words));
+    ports.push_back(portOf(servers.back()->readLine()));
+    lines +=
+        "server " + std::string(name) + " " + local(ports.back()) + " agent-port " + std::to_string(agent) + "\n  ";
+  }
+  const std::filesystem::path shipped = std::filesystem::path(FORELAND_SOURCE_DIR) / "deploy/haproxy-fleet.cfg";
+  const std::string few = std::regex_replace(textOf(shipped), std::regex("maxconn [0-9]+"), "maxconn 100");
+  std::ofstream(folder / "fleet.cfg") << std::regex_replace(few, std::regex("server-template [^\n]*"), lines);
+  const uint16_t open = freePort();
+  ::setenv("FORELAND_PUBLIC", local(open).c_str(), 1);
+  Program proxy(kHaproxy, {"-q", "-f", folder / "fleet.cfg"});
+
+  constexpr int kOfEach = 2;
+  std::vector<std::unique_ptr<Program>> flights;
+  const auto flying = [&] { return metric(ports[0], "flying") + metric(ports[1], "flying"); };
+  for (const std::string& scene : scenes) {
+    // Until the proxy has looked at its servers it answers for them.
+    ASSERT_TRUE(eventually([&] { return httpGet(open, "/" + scene + "/fly").find(" 426 ") != std::string::npos; }))
+        << httpGet(open, "/" + scene + "/fly");
+    flights.push_back(std::make_unique<Program>(
+        "fly",
+        std::vector<std::string>{"ws://" + local(open) + "/" + scene + "/", "--viewers", std::to_string(kOfEach),
+                                 "--tour", "survey", "--seconds", "20", "--viewport", "320x240"},
+        ProgramOptions{.streams = Streams::kOutputOnly}));
+    const double before = kOfEach * static_cast<double>(flights.size());
+    ASSERT_TRUE(eventually([&] { return flying() >= before; })) << scene;
+  }
+
+  size_t pairs = 0;
+  for (const uint16_t port : ports) {
+    EXPECT_LE(metric(port, "sessions"), std::ceil(1.25 * kOfEach * static_cast<double>(scenes.size()) / 2));
+    const std::string text = httpGet(port, "/metrics");
+    for (const std::string& scene : scenes) {
+      const size_t at = text.find("foreland_scene_sessions{scene=\"" + scene + "\"} ");
+      ASSERT_NE(at, std::string::npos) << text;
+      pairs += text.substr(text.find("} ", at) + 2, 2) != "0\n";
+    }
+  }
+  EXPECT_LE(pairs, scenes.size() + 1);  // of viewers in turn each scene would be at both
 }
 
 }  // namespace

@@ -11,7 +11,9 @@
 #include <vector>
 
 #include "terrain/pipeline/build.h"
+#include "tests/deploy/proxy.h"
 #include "tests/server/net/client.h"
+#include "tests/support/files.h"
 #include "tests/support/program.h"
 #include "tests/support/scene.h"
 
@@ -57,11 +59,21 @@ TEST_F(Monitoring, DashboardsQueriesParse) {
   expectGood({"check", "rules", folder / "rules.yml"});
 }
 
+// By a server whose scene is in a store, which another server is.
 TEST_F(Monitoring, AllThatIsAskedForIsExported) {
   const TemporaryFolder folder;
+  const std::string scene = folder / "land.fls";
   FormulaSource source(65, 65, hills(1));
-  ASSERT_TRUE(terrain::buildScene(source, {folder / "land.fls", 0.1, 1}).ok());
-  Program server("serve", {folder / "land.fls", "--listen", "127.0.0.1:0", "--log-level", "off"});
+  ASSERT_TRUE(terrain::buildScene(source, {scene, 0.1, 1}).ok());
+  ASSERT_EQ(runProgram("sums", {scene}).exit_code, 0);
+  spit(folder / "index.html", {'<', 'p', '>'});
+  const std::vector<std::string> options{"--listen", "127.0.0.1:0", "--log-level", "off"};
+  std::vector<std::string> words{scene, "--web", folder.path().string()};
+  words.insert(words.end(), options.begin(), options.end());
+  Program store("serve", words);
+  words = {"http://127.0.0.1:" + std::to_string(portOf(store.readLine())) + "/land.fls"};
+  words.insert(words.end(), options.begin(), options.end());
+  Program server("serve", words);
   const uint16_t port = portOf(server.readLine());
   const std::string page = httpGet(port, "/metrics");
   ASSERT_NE(page.find("\nforeland_pool_load "), std::string::npos) << page;

@@ -118,11 +118,11 @@ class Session:
     def welcome(self, fields):
         require(not self.is_welcome and fields["protocol"] == wire.VERSION, "a second welcome, or of another version")
         shape, corners, centres = fields["shape"], fields["corner_heights"], fields["centre_heights"]
-        grid = Grid(shape)
+        grid = Grid(shape, fields["frame"]["kind"] == 2)
         require(len(corners) == (grid.roots_x + 1) * (grid.roots_y + 1) and len(centres) == grid.roots_x * grid.roots_y and
                 all(abs(h) < 1 << 22 for h in corners + centres), "base heights that do not fit the shape")
         require(fields["tau_px"] > 0 and fields["keyframe_interval_us"] > 0, "no tolerance, or no interval")
-        frame = Frame(fields["frame"], grid.max_x, grid.max_y)
+        frame = Frame(fields["frame"], grid.max_x, grid.max_y, fields["highest"])
         self.memory_bytes = fields["memory_bytes"]
         require(self.memory_bytes <= self.wanted_bytes, "more memory than was asked for")
         self.empty = lambda: Section(grid, frame, corners, centres, self.memory_bytes)

@@ -58,7 +58,8 @@ uint32_t testsCrc(const server::Hierarchy& h, const proto::Section& section, con
     crc.add(static_cast<uint32_t>(metric.leastPassing(p, radius)));
     if (slot % 32 != 0) continue;
     crc.add(leastNumber([&](double error_m) { return metric.passes(p, radius, error_m); }));
-    crc.add(leastNumber([&](double radius_m) { return metric.passes(p, radius_m, 1e30); }));
+    crc.add(leastNumber(
+        [&](double radius_m) { return metric.passes(p, radius_m, 1e30) && !metric.horizon().hides(p, radius_m); }));
   }
   return crc.value();
 }

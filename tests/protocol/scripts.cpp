@@ -5,6 +5,7 @@
 
 #include "proto/message/message.h"
 #include "terrain/surface/bounds.h"
+#include "tests/support/globe_scene.h"
 #include "tests/support/scene.h"
 #include "tests/support/sparse_scene.h"
 #include "tests/support/surfaces.h"
@@ -252,6 +253,25 @@ Script sparseScript() {
   return s;
 }
 
+// Over a small globe that is fine about a corner of its cube and a pole: down to the corner, over edges, and across the
+// pole; little memory, and a lost connection after which the section is presented.
+Script globeScript() {
+  constexpr auto kVelocity = proto::Predictor::kConstantVelocity;
+  Script s{"globe", std::make_shared<server::World>(makeGlobeScene(5, 11, 3)), {}, {}, at(7)};
+  s.route = {{at(0), {70'000, 12'000, 9'000}, {-1, 0, -0.1}},
+             {at(2), {15'500, -14'500, -12'500}, {-1, 1, 0.7}},
+             {at(4), {14'000, -10'500, -12'800}, {-0.6, 1, 0.4}},
+             {at(5.5), {13'000, 2'000, 17'500}, {-1, 0.3, -0.1}},
+             {at(7.5), {-2'000, 1'000, 20'500}, {-1, 0.2, -0.4}}};
+  const Bytes greeting = proto::encode(request({1.0, 320, 240}, 8, proto::Strategy::kPredict, kVelocity, 20'000));
+  s.cues = {{at(0), greeting, Cue::What::kConnect},
+            {at(0.6), proto::encode(proto::TourRequest{7, "pole", 2})},
+            {at(3.01), {}, Cue::What::kDisconnect},
+            {at(3.4), greeting, Cue::What::kConnect},
+            {at(5), proto::encode(request({0.8, 400, 300}, 5, proto::Strategy::kCurrent, kVelocity, 20'000))}};
+  return s;
+}
+
 }  // namespace
 
 proto::Pose Script::poseAt(Duration t) const {
@@ -270,7 +290,8 @@ std::vector<Script> goldenScripts() {
           movingScript("moving", proto::EpochBlend::kLinear),
           movingScript("moving-catmull-rom", proto::EpochBlend::kCatmullRom),
           movingScript("moving-b-spline", proto::EpochBlend::kBSpline),
-          sparseScript()};
+          sparseScript(),
+          globeScript()};
 }
 
 }  // namespace foreland::test

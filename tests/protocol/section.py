@@ -58,6 +58,7 @@ class Test:
             o = tuple(-frame.anchor[0] * a[i] - frame.anchor[1] * b[i] - self.eye[i] for i in range(3))
             rows = self.right, self.up, self.forward, (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)
             self.rows = [(dot(r, a), dot(r, b), dot(r, h), dot(r, o)) for r in rows]
+        self.horizon = Horizon(self) if frame.is_globe else None
 
     def see(self, eye, orientation, view):
         """From there, with the lens and region of the view."""
@@ -96,6 +97,8 @@ class Test:
         R = radius + self.region_radius
         if not self.facing(x, y, z) + R >= 0:
             return None
+        if self.horizon and self.horizon.hides((x, y, z), radius):
+            return None
         depth = self.depth(x, y, z, R, 0.1)
 
         def passes(error):
@@ -119,6 +122,46 @@ class Test:
         error = most if test is None else least(lambda bits: test(bits_f64(bits)), most)
         radius = least(lambda bits: self.of(position, bits_f64(bits)) is not None, most)
         return bits_f64(error), bits_f64(radius)
+
+
+class Horizon:
+    """What a globe hides from a test's region: the end of section 9."""
+
+    def __init__(self, test):
+        frame, g = test.frame, test.frame.stretch
+        self.g = g
+        eye = test.eye[0], test.eye[1], test.eye[2] * g
+        D = math.sqrt(dot(eye, eye))
+        self.floor = frame.semi_major_m - g * (max(0.0, -frame.floor_m) + 1)
+        q = self.floor - g * test.region_radius
+        self.is_shadow = 0 < q < D * (1 - 1e-9)
+        if self.is_shadow:
+            self.sine = q / D
+            self.cosine = math.sqrt((1 - self.sine) * (1 + self.sine))
+            self.beyond = (D - q) * (1 + self.sine)
+        self.D, self.a = D, tuple(v * (-1 / D) for v in eye)
+        self.rows = [tuple(axis[i] * (g if i == 2 else 1.0) for axis in (test.right, test.up, test.forward)) for i in range(3)]
+        top, b = frame.semi_major_m + g * (max(0.0, frame.highest_m) + 1), g * test.region_radius
+        self.is_turned = self.is_shadow and D - b > self.floor * (1 + 1e-9) and top < 2 * self.floor
+        if self.is_turned:
+            u, v = self.floor / (D + b), self.floor / top
+            self.limit = math.sqrt(2 - 2 * (u * v - math.sqrt((1 - u * u) * (1 - v * v)))) + b / (D - b)
+
+    def hides(self, position, r):
+        """A sphere about a position in view coordinates."""
+        w = tuple(dot(position, row) for row in self.rows)
+        if self.is_shadow:
+            along = dot(w, self.a)
+            beside = tuple(w[i] - along * self.a[i] for i in range(3))
+            across = math.sqrt(dot(beside, beside))
+            if min(along * self.sine - across * self.cosine, along - self.beyond) >= r * self.g:
+                return True
+        if not self.is_turned:
+            return False
+        c = tuple(w[i] - self.D * self.a[i] for i in range(3))
+        shortened = 1 / math.sqrt(dot(c, c))
+        t = tuple(c[i] * shortened + self.a[i] for i in range(3))
+        return math.sqrt(dot(t, t)) >= self.limit + self.g / self.floor * r
 
 
 def fingerprint(slot):

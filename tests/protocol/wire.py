@@ -75,7 +75,7 @@ TABLES = {
     "ViewRequest": [("protocol", "uint"), ("lens", "Lens"), ("tau_px", "double"), ("strategy", "ubyte"), ("predictor", "ubyte"),
                     ("keyframe_interval_us", "uint"), ("max_triangles", "uint"), ("max_bytes_per_second", "uint"),
                     ("occlusion", "bool"), ("memory_bytes", "uint"), ("tile_contents", "ubyte"), ("tile_bytes", "uint"),
-                    ("longest_interval_us", "uint"), ("order", "ubyte")],
+                    ("longest_interval_us", "uint"), ("order", "ubyte"), ("eye_radius_m", "double")],
     "PathUpload": [("start_us", "long"), ("step_us", "uint"), ("poses", "[CameraPose]")],
     "TourRequest": [("id", "uint"), ("name", "string"), ("seconds", "double")],
     "GroundRequest": [("id", "uint"), ("positions", "[Vec2]")],

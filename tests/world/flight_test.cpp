@@ -165,6 +165,30 @@ TEST(World, ErrorInEveryFrameIsAtMostTauOnAKnownPath) {
   }
 }
 
+// Two eyes that look the same way, each as far from the camera as the viewer says: one section serves both.
+TEST(World, ErrorIsAtMostWhatIsStatedForEachEyeOfAHead) {
+  constexpr double kRadius_m = 15;
+  const auto scene = alps();
+  World world(scene, {}, Duration::milliseconds(4), 3);
+  ClientOptions client = flying(*scene, "canyon", Strategy::kPredict, Predictor::kConstantVelocity);
+  client.request.eye_radius_m = kRadius_m;
+  world.addClient(client);
+  oracle::Oracle oracle(oracle::truthOf(scene));
+  uint64_t frames = 0, stated = 0;
+  world.on_frame = [&](size_t, const client::FrameView& view, Time now) {
+    if (now < Time::seconds(1) || ++frames % 7 != 0 || std::isinf(view.tolerance_px)) return;
+    ++stated;
+    const oracle::DrawnShare drawn{view.mesh, view.weight, 1};
+    for (const double side : {-kRadius_m, kRadius_m}) {
+      const proto::Pose eye{view.pose.eye + side * view.pose.right(), view.pose.orientation};
+      EXPECT_LE(oracle.error({&drawn, 1}, eye, smallLens()).max_px, view.tolerance_px * (1 + 1e-4)) << now.us;
+    }
+  };
+  world.run(Time::seconds(5));
+  EXPECT_EQ(world.report(), "");
+  EXPECT_GE(stated, 20u);
+}
+
 // A window that grows, a zoom, and a field of view that widens: until the keyframes for the new lens are there, a frame
 // states what its own lens makes of their errors, or that nothing is guaranteed.
 TEST(World, FramesStateTheErrorThroughTheLensThatTheyAreDrawnWith) {

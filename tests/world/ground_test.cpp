@@ -10,6 +10,7 @@
 #include "client/ground_supply.h"
 #include "server/view/ground.h"
 #include "sim/world.h"
+#include "tests/support/globe_scene.h"
 #include "tests/support/scene.h"
 #include "tests/support/seed.h"
 
@@ -86,6 +87,48 @@ TEST_P(Ground, ACameraStaysAboveTheTruthWhileHeightsArrive) {
   EXPECT_GT(camera.known, camera.frames * 9 / 10);
   EXPECT_GT(camera.touched, 200u);
   EXPECT_GE(camera.min_m, kClearance_m - 0.02);
+}
+
+// Eyes near a cube's edges and corners know the ground of their own face, as far as it goes.
+TEST(GroundOfAGlobe, IsThatOfTheEyesFace) {
+  const auto scene = makeGlobeScene(6, 23);
+  const double side = scene->grid().rootSize();
+  client::GroundSupply supply;
+  client::GroundFeed feed;
+  glm::dvec2 at(0);
+  int frames = 0, known = 0;
+  const proto::FrameTransform frame(scene->frame());
+  const auto eye = [&] {
+    return frame.toScene(proto::LatticePosition{at.x, at.y, server::groundHeight(*scene, at.x, at.y).value() + 5});
+  };
+  const auto judge = [&](double face) {
+    for (double y = std::max(0.0, at.y - 3); y <= std::min(side, at.y + 3); y += 0.25)
+      for (double x = std::max(0.0, at.x - 3); x < std::min((face + 1) * side, at.x + 3); x += 0.25) {
+        const auto cell = feed.heights().cellAt({x, y});
+        if (x < face * side || !cell || cell->side > 1) continue;
+        ++known;
+        ASSERT_NEAR(feed.heights().heightAt({x, y}).value(), server::groundHeight(*scene, x, y).value(), 0.01)
+            << x << ", " << y;
+      }
+  };
+  ClientOptions client;
+  client.request.relief = false;
+  client.camera = [&](Time) { return proto::Pose{.eye = eye()}; };
+  client.at_frame = [&](client::Viewer& viewer, Time) {
+    constexpr int kFrames = 40;
+    const int place = frames / kFrames, face = place / 4 % 6;
+    if (frames % kFrames == 0) {
+      at = {face * side + (place % 2 == 0 ? 1.3 : side - 1.3), place / 2 % 2 == 0 ? 0.7 : side - 0.7};
+      viewer.jump();
+    }
+    if (viewer.isGreeted()) feed.take(supply.update(viewer, eye(), 4), std::nullopt);
+    if (++frames % kFrames == 0) judge(face);
+  };
+  World world(scene, {}, Duration::milliseconds(4), 3);
+  world.addClient(client);
+  world.run(Time::seconds(18));
+  EXPECT_EQ(world.report(), "");
+  EXPECT_GT(known, 24 * 250);
 }
 
 INSTANTIATE_TEST_SUITE_P(Sources, Ground, testing::Bool(),

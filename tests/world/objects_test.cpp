@@ -10,6 +10,7 @@
 #include "proto/topology/mesh_triangles.h"
 #include "sim/world.h"
 #include "tests/protocol/expectation.h"
+#include "tests/support/globe_scene.h"
 #include "tests/support/scene.h"
 #include "tests/world/ring_of_objects.h"
 
@@ -142,10 +143,9 @@ std::vector<Section> heldBy(const client::Viewer& viewer) {
   return all;
 }
 
-TEST(Objects, AreDrawnAsTheTwoSectionsOfTheScenesRecordsAndWithoutCracks) {
-  const auto scene = makeScene(301, 217, 31);
-  const server::SceneObjects objects = objectsIn(*scene, 8);
-  World world(scene, {}, Duration::milliseconds(4), 1, objectsIn(*scene, 8));
+void expectDrawnByAllLaws(const std::shared_ptr<const terrain::Scene>& scene, double scale) {
+  const server::SceneObjects objects = objectsIn(*scene, 8, scale);
+  World world(scene, {}, Duration::milliseconds(4), 1, objectsIn(*scene, 8, scale));
   world.addClient(onKnownTour(*scene, "orbit", 30));
   uint32_t seen = 0;
   size_t checked = 0, most = 0;
@@ -167,6 +167,12 @@ TEST(Objects, AreDrawnAsTheTwoSectionsOfTheScenesRecordsAndWithoutCracks) {
     base += objects.set.domain(i).topology().base().faceCount() * (i % 2 == 0 ? 1 : 3);
   EXPECT_GT(most, 2 * base);
 }
+
+TEST(Objects, AreDrawnAsTheTwoSectionsOfTheScenesRecordsAndWithoutCracks) {
+  expectDrawnByAllLaws(makeScene(301, 217, 31), 1);
+}
+
+TEST(Objects, AreDrawnOnGlobesByTheSameLaws) { expectDrawnByAllLaws(makeGlobeScene(6, 3, 2), 20); }
 
 TEST(Objects, ResumeAfterTheConnectionWasLost) {
   const auto scene = makeScene(301, 217, 32);

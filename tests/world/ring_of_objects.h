@@ -49,8 +49,8 @@ inline proto::ObjectModel modelOf(const terrain::TrueSurface& s, const proto::Ep
 }
 
 // In a ring above the middle of the scene. Where the ground moves it carries them, and they have poses unless these
-// could overshoot.
-inline server::SceneObjects objectsIn(const terrain::Scene& scene, uint32_t count) {
+// could overshoot. Over a globe the ring leads over four faces of its cube. Their sizes are times `scale`.
+inline server::SceneObjects objectsIn(const terrain::Scene& scene, uint32_t count, double scale = 1) {
   const proto::Epochs& epochs = scene.epochs().epochs();
   const bool have_poses = epochs.size() >= 3 && epochs.blend() != proto::EpochBlend::kCatmullRom;
   const Models& of = have_poses ? posedModels() : models();
@@ -64,8 +64,8 @@ inline server::SceneObjects objectsIn(const terrain::Scene& scene, uint32_t coun
     const proto::LatticePosition place{shape.samples_x * (0.5 + r * std::cos(around)),
                                        shape.samples_y * (0.5 + r * std::sin(around)), 900};
     const glm::dvec3 position = frame.transform().toScene(place);
-    placements.push_back({i % 2, position, glm::angleAxis(around, glm::dvec3(0.6, 0, 0.8)), 40.0 + 10.0 * (i % 3),
-                          terrain::riseAt(scene, position)});
+    placements.push_back({i % 2, position, glm::angleAxis(around, glm::dvec3(0.6, 0, 0.8)),
+                          scale * (40.0 + 10.0 * (i % 3)), terrain::riseAt(scene, position)});
   }
   server::SceneObjects objects;
   objects.set = proto::ObjectSet::create(std::move(shapes), std::move(placements), epochs).value();

@@ -17,6 +17,10 @@ export class MeshFeed {
     this.objects.add(update);
     this.sink.add(update);
   }
+  // The version to make ready next, after each frame.
+  want(version: number): void {
+    if (this.sink instanceof StreamSink) this.sink.want(version);
+  }
   addLines(version: number, terrain: PartLines, objects: PartLines): void {
     this.sink.addLines?.(version, terrain, objects);
   }

@@ -17,22 +17,27 @@ export interface MeshSink {
   readonly staged: number;
 }
 
-/** @internal Of a terrain that nobody draws: what comes is ready, and forgotten. */
+const kAllReady = 0xffffffff; // as in client/schedule.h
+
+/** @internal Of a terrain that nobody draws: what comes is ready whenever its time comes, and forgotten. */
 export class NoSink implements MeshSink {
-  ready = 0;
+  staged = 0;
   readonly coming = 0;
-  get staged(): number {
-    return this.ready;
+  get ready(): number {
+    return this.staged > 0 ? kAllReady : 0;
   }
   add(update: MeshUpdate): void {
-    this.ready = update.version;
+    this.staged = update.version;
   }
   reset(): void {
-    this.ready = 0;
+    this.staged = 0;
   }
 }
 
-/** @internal A stream of updates: one that has been read counts as drawn. */
+/**
+ * @internal A stream of updates: one that has been read counts as drawn in place of the one before. So none is given before it is the next to
+ * be shown: whoever reads as fast as it can would otherwise have replaced a mesh before its time came.
+ */
 export class StreamSink implements MeshSink {
   readonly stream: ReadableStream<MeshUpdate>;
   ready = 0;
@@ -40,6 +45,7 @@ export class StreamSink implements MeshSink {
   private readonly waiting: MeshUpdate[] = [];
   private controller!: ReadableStreamDefaultController<MeshUpdate>;
   private wants = false;
+  private next_version = 0;
 
   constructor(onCancel: () => void) {
     this.stream = new ReadableStream<MeshUpdate>({
@@ -56,11 +62,15 @@ export class StreamSink implements MeshSink {
   }
   add(update: MeshUpdate): void {
     this.waiting.push(update);
-    this.give();
   }
   reset(): void {
     this.waiting.length = 0;
-    this.ready = 0;
+    this.ready = this.next_version = 0;
+  }
+  // The version to make ready next, after each frame.
+  want(version: number): void {
+    this.next_version = version;
+    this.give();
   }
   close(): void {
     try {
@@ -71,8 +81,8 @@ export class StreamSink implements MeshSink {
   }
 
   private give(): void {
-    const next = this.wants ? this.waiting.shift() : undefined;
-    if (!next) return;
+    if (!this.wants || !this.waiting[0] || this.waiting[0].version > this.next_version) return;
+    const next = this.waiting.shift()!;
     this.wants = false;
     this.ready = next.version;
     this.controller.enqueue(next);

@@ -21,6 +21,8 @@ export interface TerrainOptions {
   imagery?: boolean;
   /** Milliseconds between keyframes, or the bounds between which the server chooses. Default 200. */
   keyframeMs?: number | { shortest: number; longest: number };
+  /** How far the eyes that see a frame are from the camera, metres, as the two of a head: what is guaranteed holds for each. At most 100. Default 0. */
+  eyeRadius?: number;
 }
 
 /** What a terrain may take. A connection's first request decides, so these are fixed once it is open. */
@@ -66,8 +68,8 @@ export interface OpenOptions extends TerrainOptions {
 export const kDefaultLens: Lens = { fovY: (55 * Math.PI) / 180, width: 1280, height: 720 };
 
 /** @internal */
-export function requestedLens({ fovY, width, height }: Lens): RequestedLens {
-  return { fov_rad: fovY, width_px: Math.round(width), height_px: Math.round(height) };
+export function requestedLens({ fovY, width, height }: Lens, eyeRadius = 0): RequestedLens {
+  return { fov_rad: fovY, width_px: Math.round(width), height_px: Math.round(height), eye_radius_m: eyeRadius };
 }
 
 /** @internal */
@@ -75,7 +77,7 @@ export function requestOf(options: TerrainOptions, limits: Limits, lens: Lens, h
   const keyframe = options.keyframeMs ?? 200;
   const [shortest, longest] = typeof keyframe === 'number' ? [keyframe, 0] : [keyframe.shortest, keyframe.longest];
   return {
-    ...requestedLens(lens),
+    ...requestedLens(lens, options.eyeRadius),
     strategy: options.strategy ?? 'predict',
     predictor: options.predictor ?? 'velocity',
     tau_px: options.tolerancePx ?? 1,

@@ -203,6 +203,7 @@ export class Terrain {
     const shown = session.screen.frame(now, pose, this.wishes.requestedLens, this.wishes.options.strategy ?? 'predict', sink.ready, sink.coming);
     this.last = frameOf(shown);
     this.tellGuarantee(this.last.guaranteedPx);
+    this.feed.want(shown.next_version);
     session.frame(now, pose, eye, this.current ? this.reach.of(this.current.welcome, eye) : 1, sink.staged);
     return this.last;
   }
@@ -319,7 +320,10 @@ export class Terrain {
   attach(sink: MeshSink): () => void {
     return this.feed.attach(sink);
   }
-  /** What changes in the mesh, for engines other than three. `frame` shows no version that has not been read. One stream at a time. */
+  /**
+   * What changes in the mesh, for engines other than three. `frame` shows no version that has not been read, and none can be read before it is
+   * the next to be shown. One stream at a time.
+   */
   get updates(): ReadableStream<MeshUpdate> {
     return this.feed.stream((end) => this.on('closed', end));
   }

@@ -42,7 +42,7 @@ export class Wishes {
   }
 
   get requestedLens(): RequestedLens {
-    return requestedLens(this.lens);
+    return requestedLens(this.lens, this.options.eyeRadius);
   }
   get request(): Request {
     const predictor = this.options.predictor ?? (this.path_version > 0 ? 'path' : 'velocity');

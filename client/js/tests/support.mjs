@@ -15,9 +15,12 @@ import { build } from 'esbuild';
 
 const here = dirname(fileURLToPath(import.meta.url));
 export const root = resolve(here, '../../..');
-const bin = resolve(process.env.FORELAND_BIN ?? join(root, 'build/release/bin'));
+export const bin = resolve(process.env.FORELAND_BIN ?? join(root, 'build/release/bin'));
 export const package_folder = resolve(here, '..');
 const run = promisify(execFile);
+
+// ./check --soak: as many repetitions and cameras as were ever asked for.
+export const is_soak = process.env.FORELAND_SOAK === '1';
 
 const chromium_flags = [
   '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--no-sandbox', '--disable-quic', '--no-first-run',
@@ -221,9 +224,10 @@ export async function freePort() {
   return port;
 }
 
-export async function openBrowser() {
+// A processor draws: four samples a pixel are two fifths of its work, and what most tests ask is the same with one.
+export async function openBrowser({ has_antialias = is_soak || process.env.FORELAND_SCREENSHOT === '1' } = {}) {
   need('/usr/bin/chromium', 'install Debian\'s chromium');
-  return chromium.launch({ executablePath: '/usr/bin/chromium', args: chromium_flags });
+  return chromium.launch({ executablePath: '/usr/bin/chromium', args: [...chromium_flags, ...(has_antialias ? [] : ['--webgl-antialiasing-mode=none'])] });
 }
 
 // A page with everything that went wrong in it: errors on the console, exceptions, failed requests.

@@ -9,7 +9,7 @@ import { setImmediate } from 'node:timers/promises';
 import { promisify } from 'node:util';
 import { ForelandError, Terrain } from '@foreland/client';
 import { readHeights } from './heights.mjs';
-import { freePort, makeFolder, makeScene, runForeland, startServer } from './support.mjs';
+import { freePort, makeFolder, makeGlobe, makeScene, runForeland, startServer } from './support.mjs';
 
 const kTest = { timeout: 180_000 };
 const kLens = { fovY: 1.05, width: 640, height: 360 };
@@ -37,6 +37,7 @@ async function fly(terrain, isDone, speed = 0.05) {
     const [x, y, z] = middleOf(terrain.scene);
     const frame = terrain.frame(now, { eye: [x + speed * (now - begun), y, z], orientation: [0, 0, 0, 1] });
     if (isDone(frame)) return frame;
+    if (now - begun > kTest.timeout) throw new Error('flown for too long');
   }
 }
 const isFlown = (terrain, keyframes = 5) => (frame) => frame.version > 0 && frame.guaranteedPx !== null && terrain.stats.keyframes >= keyframes;
@@ -74,7 +75,7 @@ test('what a viewer can draw and take is kept to, at a coarser tolerance that is
   for (const limits of [{ triangles: 1500 }, { bytesPerSecond: 2000 }]) {
     const terrain = await Terrain.open(address, { lens: kLens, tolerancePx: 0.25, relief: false, limits });
     let most = 0;
-    const sink = { ready: 0, coming: 0, staged: 0, reset() {}, add({ version, terrain: { triangles } }) { [this.ready, this.staged, most] = [version, version, Math.max(most, triangles)]; } };
+    const sink = { coming: 0, staged: 0, get ready() { return terrain.nextVersion; }, reset() {}, add({ version, terrain: { triangles } }) { [this.staged, most] = [version, Math.max(most, triangles)]; } };
     terrain.attach(sink);
     await fly(terrain, (frame) => isFlown(terrain, 12)(frame) && frame.guaranteedPx > 0.25);
     if (limits.triangles) assert.ok(most > 100 && most <= limits.triangles, `${most} triangles`);
@@ -183,6 +184,42 @@ test('lines of sight end at the ground where it hides, and nowhere else', kTest,
   await terrain.close();
 });
 
+test('ground and lines of sight over a globe are the same by all names of a place, and go over its pole', kTest, async () => {
+  const own = await makeFolder(), globe = await startServer(await makeGlobe(own.folder));
+  try {
+    const terrain = await Terrain.open(globe.url.href.replace('http', 'ws'), { lens: kLens });
+    const at = (lat, lon, height = 0) => ({ lat, lon, height }), corner = (Math.atan(Math.SQRT1_2) * 180) / Math.PI;
+    const names = [[[90, 0], [90, 77], [90, -180]], [[-90, 10], [-90, -100]], [[-45, 180], [-45, -180], [-45, 179.9999999]], [[12, 180], [12, -180]]];
+    for (const lon of [-135, -45, 45, 135]) for (const lat of [-corner, -10, 0, 46, corner]) names.push([[lat, lon], [lat, lon - 1e-7], [lat, lon + 1e-7], [lat - 1e-7, lon]]);
+    const heights = await terrain.heights(names.flat().map(([lat, lon]) => at(lat, lon)));
+    let first = 0;
+    for (const of_place of names) {
+      const told = heights.slice(first, (first += of_place.length));
+      assert.ok(told.every((height) => Math.abs(height - told[0]) < 0.01), `${of_place[0]}: ${told}`);
+    }
+    // From 5 degrees beside the island at the north pole to 5 degrees beyond it, so high above the pole.
+    const [pole] = await terrain.heights([at(90, 0)]);
+    const across = (above) => {
+      let [low, high] = [0, 1e5];
+      const ends = (height) => [at(85, 20, height), at(85, -160, height)];
+      for (let i = 0; i < 60; ++i) {
+        const middle = (low + high) / 2, [from, to] = ends(middle).map((end) => terrain.toScene(end));
+        if (terrain.toGeodetic(from.map((v, k) => (v + to[k]) / 2)).height < pole + above) low = middle;
+        else high = middle;
+      }
+      return ends(low);
+    };
+    assert.ok(pole > 2000, `${pole} m`);
+    const [below, above] = await terrain.visible([across(-50), across(300)], { refraction: 0 });
+    assert.ok(!below.isSeen && below.hit[2] > 6.35e6 && Math.hypot(below.hit[0], below.hit[1]) < 1e5, JSON.stringify(below));
+    assert.ok(above.isSeen, JSON.stringify(above));
+    await terrain.close();
+  } finally {
+    await globe.stop();
+    await own.remove();
+  }
+});
+
 test('a viewshed has the cells that lines of sight find seen', kTest, async () => {
   const terrain = await Terrain.open(address, { lens: kLens });
   const placeAt = placesOf(terrain);
@@ -231,18 +268,22 @@ test('a viewshed is ended by its signal, by another one and with the terrain, an
 test('updates make up the mesh that a frame names', kTest, async () => {
   const terrain = await Terrain.open(address, { lens: kLens });
   const reader = terrain.updates.getReader();
-  let vertices = 0, last = 0, is_done = false;
+  let vertices = 0, last = 0, nearest = Infinity, is_done = false;
   const reading = (async () => {
     for (let { value, done } = await reader.read(); !done; { value, done } = await reader.read()) {
       const { version, terrain: { is_whole, channels } } = value;
       assert.ok(version > last);
+      assert.ok(version <= terrain.nextVersion, 'none is read before its time');
       assert.ok(last > 0 || is_whole, 'the first one needs nothing');
+      for (const { ranges, data } of Object.values(channels))
+        for (let i = 2; i < ranges.length; i += 2) nearest = Math.min(nearest, (ranges[i] - ranges[i - 1]) * data.BYTES_PER_ELEMENT);
       [last, vertices] = [version, channels.to_position.size / 4];
     }
     is_done = true;
   })();
   await fly(terrain, (frame) => (assert.ok(frame.version <= last, 'none is shown that was not read'), frame.version > 3 && isFlown(terrain, 12)(frame)));
   assert.ok(vertices > 100);
+  assert.ok(nearest >= 512 && nearest < Infinity, `ranges are ${nearest} bytes apart: what is not worth a call of its own is one range`);
   await terrain.close();
   await reading;
   assert.ok(is_done);

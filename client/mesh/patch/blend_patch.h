@@ -94,9 +94,9 @@ struct ChangedRanges {
 // What an upload of the whole mesh takes.
 size_t bytesOf(const BlendMesh& mesh);
 
-// Changes that are closer in an array than so many bytes are uploaded together with what lies between: fewer bytes are
-// more calls (lab/README.md, `client`).
-inline constexpr size_t kUploadGap = 64;
+// Changes that are closer in an array than so many bytes are uploaded together with what lies between: a call of the
+// graphics interface costs a page about as much as they do (docs/decisions/0028-meshes-by-change.md).
+inline constexpr size_t kUploadGap = 512;
 
 // A blended mesh that is brought up to date by patches, and what has changed in it since clearChanges(). One owner.
 class PatchedMesh {
@@ -107,7 +107,7 @@ class PatchedMesh {
   void apply(const BlendPatch& patch);
 
   bool isAllChanged() const { return is_all_changed_; }
-  // Ranges that have changed, unless all has; those less than `gap` bytes apart are made one. O(changes log changes).
+  // Ranges that have changed, unless all has; those less than `gap` bytes apart are made one. O(changes + mesh / 64).
   void collectChanges(size_t gap, ChangedRanges& out);
   void clearChanges();
 

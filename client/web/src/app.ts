@@ -5,7 +5,7 @@ import { addressHere, linkOf, reloadAt, writeQuery } from './app/page_address';
 import { kIsPhone, kLimits, kResting, lensOf, optionsOf } from './app/asked';
 import { CardLoss } from './app/card_loss';
 import { Steering } from './app/steering';
-import { takeAir, takeGlobe, viewAt } from './app/globe_flight';
+import { askSea, takeAir, takeGlobe, takeMap, viewAt } from './app/globe_flight';
 import { takeAddressed, takeFiles } from './app/taken_files';
 import { Tools } from './app/tools';
 import { Picture, type Shot } from './draw/picture';
@@ -54,7 +54,7 @@ export class App {
   private readonly prediction = new PredictionCheck();
   private readonly colour_maps = new ColourMaps();
   private readonly tours = new Tours(byId('tours'), (tour) => this.guard.run(() => this.chooseTour(tour)), (pose) => this.picture.shown(pose));
-  private readonly steering = new Steering(new Controls(this.canvas), () => [this.tours, this.tools.follow]);
+  private readonly steering = new Steering(new Controls(this.canvas), () => [this.tours, this.tools.follow], (place) => this.picture.sea.heightAt(place));
   private readonly scene_time = new SceneTime(byId('time'), (at, ms_rate) => this.terrain?.setSceneTime({ at, rate: ms_rate }));
   private readonly card_loss = new CardLoss((work) => this.guard.run(work), () => this.drawAgain());
   private readonly stage: Stage = {
@@ -130,9 +130,9 @@ export class App {
     };
   }
 
-  // For tests: what a picture of a globe shows at a point of the window, and where it shows a point of the scene.
+  // For tests: what a picture shows at a point of the window, and where it shows a point of the scene.
   groundAt(x: number, y: number): number[] | null {
-    return this.picture.drawnAt(x, y)?.toArray() ?? null;
+    return this.picture.drawnAt(x, y)?.toArray() ?? this.picture.heldAt(x, y)?.point ?? null;
   }
   onScreen(point: Vector): Vector | null {
     return this.picture.pointOnScreen(point);
@@ -188,6 +188,7 @@ export class App {
     document.title = `${scene.title} \u00b7 Foreland`;
     if (is_first) this.enterFirst(scene);
     this.panel.setScene(scene);
+    this.tools.headset.setScene(scene);
     if (!is_first) return;
     this.hint.show(wordsOnMoving(kIsPhone, scene.frame === 'globe'));
     void this.tools.cut.read(this.address.cut);
@@ -204,12 +205,20 @@ export class App {
   }
   private setPictureScene(scene: Scene): void {
     this.picture.setScene(scene);
-    if (scene.frame === 'globe') takeAir(this.terrain!, this.picture).catch((error: unknown) => console.warn(error));
+    if (scene.frame !== 'globe') return;
+    takeAir(this.terrain!, this.picture).catch((error: unknown) => console.warn(error));
+    this.takeSea(this.terrain!, this.picture).catch((error: unknown) => console.warn(error));
+  }
+  private async takeSea(terrain: Terrain, picture: Picture): Promise<void> {
+    const sea = await askSea(terrain);
+    if (!sea) return;
+    picture.takeSea(sea);
+    this.panel.setSea(sea.isDrawn);
   }
   private enterFirst(scene: Scene): void {
     const { controls } = this.steering;
     this.steering.enter(scene, this.address.view ?? viewAt(this.terrain!, this.address.at));
-    if (scene.frame !== 'globe') return;
+    if (scene.frame !== 'globe') return takeMap(controls, this.terrain!, () => this.picture);
     takeGlobe(controls, this.terrain!, () => this.picture);
     this.search.setOn(true);
     if (!this.address.tells_clock) Object.assign(this.settings, clockOf(new Date()));
@@ -254,6 +263,8 @@ export class App {
 
   private newPicture(): Picture {
     const picture = new Picture(this.canvas, this.address.anisotropy);
+    picture.headset.onLens = () => this.guard.run(() => this.ask());
+    picture.headset.onTurn = () => this.guard.run(() => this.turnHeadset());
     this.canvas.addEventListener('webglcontextlost', () => this.guard.run(() => this.loseCard()), { once: true });
     return picture;
   }
@@ -295,6 +306,16 @@ export class App {
     else this.showConnecting();
     this.beginDrawing();
     ++this.card_resets;
+  }
+
+  // ---- a headset
+
+  private turnHeadset(): void {
+    const { controls } = this.steering, { headset } = this.picture;
+    controls.heldInHands = () => headset.session?.inputSources ?? [];
+    if (headset.isOn) controls.look.pitch = 0;
+    else this.resize();
+    this.ask();
   }
 
   // ---- frames that are recorded
@@ -375,7 +396,9 @@ export class App {
     this.terrain?.setOptions(this.options());
   }
   private options(): ReturnType<typeof optionsOf> {
-    return optionsOf(this.settings, this.isGuided, this.picture.exaggerate(this.settings.exaggeration));
+    const { picture, settings, picture: { headset } } = this;
+    if (!headset.isOn) return optionsOf(settings, this.isGuided, picture.exaggerate(settings.exaggeration), 0);
+    return optionsOf({ ...settings, strategy: 'predict' }, false, picture.exaggerate(1), headset.lens?.eye_radius_m ?? 0); // heads go where nothing else does
   }
   // Along a path that the server knows.
   private get isGuided(): boolean {
@@ -404,7 +427,7 @@ export class App {
 
   // A page that has no size, as in a frame that is hidden, keeps the lens that it had; its session waits until it has one.
   private resize(): void {
-    if (this.tools.record.isOn) return;
+    if (this.tools.record.isOn || this.picture.headset.isOn) return;
     const is_sized = this.picture.resize(window.innerWidth, window.innerHeight, this.address.sharpness);
     this.terrain?.setSized(is_sized);
     if (this.settings.exaggeration !== 1) this.ask(); // which depends on the lens
@@ -414,9 +437,9 @@ export class App {
   // There, as high above the ground as before; what is known of the ground there comes with the next frames.
   private goTo(x: number, y: number): void {
     this.takeOver();
-    const { controls } = this.steering, { eye } = controls;
+    const { controls } = this.steering, { eye, look } = controls;
     const [before, there] = [eye.toArray(), [x, y, eye.z]].map((point) => this.terrain?.place(point)?.ground ?? null);
-    eye.set(x, y, eye.z + (before !== null && there !== null ? there! - before! : 0));
+    controls.jumpTo([x, y, eye.z + (before !== null && there !== null ? there! - before! : 0)], look);
     this.terrain?.jump();
   }
   private turnNorth(): void {
@@ -434,7 +457,7 @@ export class App {
     const frozen = picture.frozen_view.pose;
     const position = steering.step(terrain!, now_ms, seconds, picture.up, frozen !== null);
     if (this.scene.frame === 'globe') this.followSun();
-    const own = steering.controls.pose(picture.up);
+    const own = picture.headset.isOn ? picture.headset.look(steering.controls.level(picture.up)) : steering.controls.pose(picture.up);
     this.prediction.frame(now_ms, (frozen ?? own).eye);
     const frame = picture.update(now_ms, own);
     if (!frame) return;

@@ -1,14 +1,14 @@
 // Cuts through the ground: what is left, the wall of strata along them, and how they are asked for; in headless Chromium against the real server.
 import assert from 'node:assert/strict';
 import { after, before, test } from 'node:test';
-import { makeFolder, makeSceneOnEarth, on_earth, openBrowser, openSources, startServer, status, until, visitPage } from './support.mjs';
+import { dropFile, makeFolder, makeSceneOnEarth, on_earth, openBrowser, openSources, startServer, status, until, visitPage } from './support.mjs';
 
 const kTest = { timeout: 300_000 };
-let folder, server, browser, sources, rings, walls, views;
+let folder, server, browser, sources, rings, walls, views, spans, rays;
 
 before(async () => {
   sources = await openSources();
-  [rings, walls, views] = await Promise.all(['cut/ring.ts', 'cut/wall.ts', 'draw/cut_view.ts'].map((path) => sources.load(path)));
+  [rings, walls, views, spans, rays] = await Promise.all(['cut/ring.ts', 'cut/wall.ts', 'draw/cut_view.ts', 'cut/spans.ts', 'cut/rays.ts'].map((path) => sources.load(path)));
   folder = await makeFolder();
   server = await startServer(await makeSceneOnEarth(folder.folder));
   browser = await openBrowser();
@@ -76,11 +76,75 @@ test('strata are of round heights', () => {
   assert.deepEqual([0.7, 1, 1.1, 3, 47, 51, 0.012].map(views.roundStep), [1, 1, 2, 5, 50, 100, 0.02]);
 });
 
+// A star about a place, which may be as sharp as it likes.
+const starAbout = ([x, y], count) => Array.from({ length: count }, (_, i) => {
+  const angle = (2 * Math.PI * (i + 0.8 * random())) / count, radius = between(5, 60);
+  return [x + radius * Math.cos(angle), y + radius * Math.sin(angle)];
+});
+
+const offLine = ([x, y], [ax, ay], [bx, by]) => Math.abs((bx - ax) * (y - ay) - (by - ay) * (x - ax)) / Math.hypot(bx - ax, by - ay);
+test('what is left of a way are the shares of it whose places are left, straight on the lattice or not', () => {
+  console.log(`seed ${seed}`);
+  for (let i = 0; i < 100; ++i) {
+    const kept = { ring: starAbout([0, 0], 3 + Math.floor(13 * random())), is_hole: random() < 0.5 };
+    const [from, to, bend] = [[between(-90, 90), between(-90, 90)], [between(-90, 90), between(-90, 90)], random() < 0.3 ? 0 : between(-3, 3)];
+    const latticeAt = (t) => [from[0] + t * (to[0] - from[0]), from[1] + t * (to[1] - from[1]) + bend * t * (1 - t)];
+    const left = spans.spansAlong(kept, latticeAt, bend === 0 ? 1 : 64);
+    for (let k = 1; k < left.length; ++k) assert.ok(left[k].from > left[k - 1].to);
+    left.forEach((span) => assert.equal(span.is_at_wall, span.from > 0));
+    for (const t of left.flatMap((span) => [span.from, span.to]).filter((t) => t > 0 && t < 1)) {
+      const [x, y] = latticeAt(t), off = Math.min(...kept.ring.map((a, k) => offLine([x, y], a, kept.ring[(k + 1) % kept.ring.length])));
+      assert.ok(off < 1e-9, `${off} off the ring`);
+    }
+    const isAtEnd = (t) => left.some(({ from: begin, to: end }) => Math.abs(t - begin) < 1e-9 || Math.abs(t - end) < 1e-9);
+    const isWrong = (t) => left.some(({ from: begin, to: end }) => t >= begin && t <= end) !== (rings.isInside(kept.ring, latticeAt(t)) !== kept.is_hole) && !isAtEnd(t);
+    assert.deepEqual(Array.from({ length: 1001 }, (_, k) => k / 1000).filter(isWrong), [], JSON.stringify({ kept, from, to, bend, left }));
+  }
+});
+
+// Waves of ground under a scene whose lattice is its plane; what a ray meets is sought step by step.
+test('a way meets the ground that is left or the wall, whichever is first, exactly and at once', async () => {
+  const groundAt = ([x, y]) => 6 * Math.sin(x / 9) * Math.cos(y / 7), foot_m = -20;
+  const first = (from, to, isMet) => {
+    for (let k = 0; k <= 1500; ++k) {
+      const at = from.map((v, i) => v + (k / 1500) * (to[i] - v));
+      if (isMet(at)) return at;
+    }
+    return null;
+  };
+  const placeOf = ([x, y, z]) => ({ easting: x, northing: y, height: z, lattice: [x, y], ground: groundAt([x, y]) });
+  const terrain = {
+    scene: { frame: 'planar' }, place: placeOf, toGeodetic: placeOf, heights: async (places) => places.map(({ easting, northing }) => groundAt([easting, northing])),
+    visible: async (pairs) => pairs.map((pair) => ({ isKnown: true, hit: first(...pair.map(({ easting, northing, height }) => [easting, northing, height]), (at) => at[2] <= groundAt(at)) })),
+    raycast: (origin, direction, far) => first(origin, origin.map((v, i) => v + far * direction[i]), (at) => at[2] <= groundAt(at)),
+  };
+  let [on_wall, on_ground, nothing] = [0, 0, 0];
+  for (let i = 0; i < 200; ++i) {
+    const cut = { ring: starAbout([0, 0], 4 + Math.floor(9 * random())), is_hole: random() < 0.5, wall: { foot_m } };
+    const way = { from: [between(-80, 80), between(-80, 80), between(8, 40)], to: [between(-80, 80), between(-80, 80), between(-30, 10)] };
+    let was_open = true; // above the ground, or where nothing is left
+    const there = first(way.from, way.to, (at) => {
+      const is_in_ground = rings.isInside(cut.ring, at) !== cut.is_hole && at[2] <= groundAt(at), is_met = is_in_ground && was_open && at[2] >= foot_m;
+      was_open = !is_in_ground;
+      return is_met;
+    });
+    const [exact] = await rays.metExactly(terrain, cut, [way]), now = rays.metNow(terrain, cut, way), length = Math.hypot(...way.to.map((v, k) => v - way.from[k]));
+    for (const met of [exact, now]) {
+      assert.equal(met === null, there === null, JSON.stringify({ cut, way, met, there }));
+      if (met) assert.ok(Math.hypot(...met.point.map((v, k) => v - there[k])) < length / 500, JSON.stringify({ cut, way, met, there }));
+    }
+    if (!exact) ++nothing;
+    else if (exact.is_wall) ++on_wall;
+    else ++on_ground;
+  }
+  assert.ok(on_wall > 5 && on_ground > 20 && nothing > 5, `${on_wall}, ${on_ground}, ${nothing}`);
+});
+
 // ---- in the page
 
 const kView = 'view=0,0,4500,0,-25';
-const visit = (query, body, options = {}) =>
-  visitPage(browser, new URL(`?sharpness=0.5&tau=2&fog=0&relief=0&ground=plain&${kView}&${query}`, server.url), body, { width: 960, height: 640, ...options });
+const visit = (query, body, { view = kView, ...options } = {}) =>
+  visitPage(browser, new URL(`?${view}&${query}&sharpness=0.5&tau=2&fog=0&relief=0&ground=plain`, server.url), body, { width: 960, height: 640, ...options });
 // Where neither panel nor bar is: colours of the picture, from above to below, in the middle of the window.
 async function column(page) {
   const picture = await page.screenshot({ clip: { x: 500, y: 150, width: 1, height: 400 } });
@@ -148,7 +212,7 @@ test('what is measured is cut out, and an address leads there again', kTest, () 
     }
     await page.click('#measure button[name=measure_cut]');
     await until(page, (s) => s.cut_corners === 3 && s.cut_columns > 0);
-  });
+  }, { view: 'view=0,-6000,4500,0,-30' });
 });
 
 test('an address that is no cut is told, and nothing is cut', kTest, () =>
@@ -156,3 +220,41 @@ test('an address that is no cut is told, and nothing is cut', kTest, () =>
     await page.waitForFunction(() => /cut of this address/.test(document.getElementById('hint').textContent));
     assert.equal((await status(page)).cut_corners, 0);
   }));
+
+// Into a pit from the south: what was in it hides its northern wall no more, tells nothing and has no names.
+test('clicks, names and what lies on the ground know of what is cut away', kTest, () => {
+  const { size, step, west, south } = on_earth, [lon, lat] = [west + 0.5 * size * step, south + 0.5 * size * step];
+  const pit = [[-40, -30], [40, -30], [40, 30], [-40, 30]].map(([x, y]) => [lon + x * step, lat + y * step]), north = lat + 30 * step;
+  return visit(`cut=out,${pit.flat()}`, async (page) => {
+    await until(page, (s) => s.cut_columns > 0);
+    const feature = { type: 'Feature', properties: { name: 'In the pit' }, geometry: { type: 'Polygon', coordinates: [[...pit, pit[0]]] } };
+    await dropFile(page, 'pit.geojson', JSON.stringify(feature));
+    const places = Array.from({ length: 225 }, (_, i) => ({ name: `P${i}`, lon: west + 0.02 + 0.014 * (i % 15), lat: south + 0.06 + 0.012 * Math.floor(i / 15) }));
+    const isInPit = ({ lon: x, lat: y }) => Math.abs(x - lon) < 40 * step && Math.abs(y - lat) < 30 * step;
+    await dropFile(page, 'names.csv', `name,lon,lat\n${places.map(({ name, lon: x, lat: y }) => `${name},${x},${y}`).join('\n')}`);
+    const labelled = ({ labels }) => places.filter(({ name }) => labels.includes(name));
+    const cut = await until(page, (s) => s.overlays_laid > 1 && s.labels.length > 3 && s.relief_shown > 0);
+    assert.deepEqual(labelled(cut).filter(isInPit), []);
+    await page.evaluate(() => document.activeElement?.blur());
+    await page.mouse.click(480, 320);
+    assert.equal(await page.locator('#feature').isVisible(), false, 'what lies on ground that is cut away is not there');
+    await page.keyboard.press('KeyM');
+    await page.mouse.click(480, 320);
+    const { measured_at: [wall] } = await until(page, (s) => s.measured_corners === 1);
+    assert.ok(Math.abs(wall.lat - north) < 1e-7 && Math.abs(wall.lon - west - 150 * step) < 1e-4, `${JSON.stringify(wall)}, not at ${north}`);
+    const held = await page.evaluate(() => window.foreland.onScreen(window.foreland.groundAt(480, 320)));
+    assert.ok(Math.hypot(held[0] - 480, held[1] - 320) < 0.5, 'the wall is held');
+    await page.screenshot({ path: process.env.KEEP ? `${process.env.KEEP}/pit.png` : undefined });
+    await page.keyboard.press('KeyM');
+    await page.keyboard.press('KeyX');
+    await until(page, (s) => s.cut_corners === 0 && s.labels.length > 3);
+    await page.keyboard.press('KeyM');
+    await page.mouse.click(480, 320);
+    const { measured_at: [ground] } = await until(page, (s) => s.measured_corners === 1);
+    assert.ok(ground.lat < north - 0.004, JSON.stringify(ground));
+    await page.keyboard.press('KeyM');
+    await page.mouse.click(480, 320);
+    await page.locator('#feature').getByText('In the pit').waitFor();
+    while (labelled(await status(page)).filter(isInPit).length === 0) await page.waitForTimeout(50);
+  }, { view: 'relief=1&view=0,-6000,3500,0,-18.5' });
+});

@@ -31,7 +31,7 @@ async function visit(query, { prepare = () => {}, at = server, complains = [], e
   const { page, complaints, close } = await openPage(browser);
   try {
     await prepare(page);
-    await page.goto(new URL(`?sharpness=0.6&${query}`, at.url).href);
+    await page.goto(new URL(`?${query}&sharpness=0.6&tau=4`, at.url).href);
     await body(page);
     const others = complaints.filter((complaint) => !expected?.test(complaint));
     assert.equal(others.length, complains.length, others.join('\n'));

@@ -13,7 +13,7 @@ let folder, server, browser;
 before(async () => {
   folder = await makeFolder();
   server = await startServer(await makeSceneOnEarth(folder.folder));
-  browser = await openBrowser();
+  browser = await openBrowser({ has_antialias: true });
 }, kTest);
 after(async () => {
   await browser?.close();

@@ -156,6 +156,23 @@ test('tracks have the times and heights that are written, and what is missing is
   assert.ok(tracks.hasTimes(split) && !tracks.hasTimes(lineWith([[8, 46], [9, 46]])));
 });
 
+test('the track of a file is its lines with times, and any of GPX', async () => {
+  const { trackIn } = await sources.load('overlay/track_in.ts'), bytesOf = (text) => new TextEncoder().encode(text);
+  const placemark = (inside) => `<kml xmlns="http://www.opengis.net/kml/2.2" xmlns:gx="http://www.google.com/kml/ext/2.2"><Placemark>${inside}</Placemark></kml>`;
+  const coords = '<gx:coord>8 46 900</gx:coord><gx:coord>8.1 46 900</gx:coord>', whens = `<when>${at(0)}</when><when>${at(9)}</when>`;
+  const files = [
+    ['a.gpx', '<gpx xmlns="http://www.topografix.com/GPX/1/1"><trk><trkseg><trkpt lat="46" lon="8"/><trkpt lat="46.1" lon="8"/></trkseg></trk></gpx>', true],
+    ['a.kml', placemark(`<gx:Track>${whens}${coords}</gx:Track>`), true],
+    ['a.kml', placemark('<LineString><coordinates>8,46 8.1,46</coordinates></LineString>'), false],
+    ['a.geojson', JSON.stringify(lineWith([[8, 46], [8, 46.1]], [0, 10].map(at))), true],
+    ['a.geojson', JSON.stringify(lineWith([[8, 46], [8, 46.1]])), false],
+    ['a.geojson', 'no JSON at all', false],
+    ['a.csv', 'name,lon,lat\nA,8,46\n', false],
+  ];
+  for (const [name, text, has_track] of files) assert.equal(trackIn(name, bytesOf(text)) !== null, has_track, `${name}: ${text}`);
+  assert.throws(() => trackIn('a.kml', bytesOf('<kml>')), /a\.kml is no XML/);
+});
+
 test('what is no track is refused in words', () => {
   assert.throws(() => tracks.trackOf('a', { type: 'FeatureCollection', features: [] }, degrees), /a has no track: no line/);
   assert.throws(() => tracks.trackOf('a', null, degrees), /has no track/);

@@ -1,7 +1,7 @@
 // The page over a globe, in headless Chromium against the real server. Every wait is for a condition.
 import assert from 'node:assert/strict';
 import { after, before, test } from 'node:test';
-import { makeFolder, makeGlobe, openBrowser, startServer, status, until, visitPage } from './support.mjs';
+import { fingersOf, makeFolder, makeGlobe, openBrowser, startServer, status, until, visitPage } from './support.mjs';
 
 const kTest = { timeout: 280_000 };
 const kRadius = 6378137, kTan = Math.tan((27.5 * Math.PI) / 180);
@@ -103,6 +103,21 @@ test('the other button tilts about what it points at', kTest, () =>
     assert.ok(Math.hypot(seen[0] - x, seen[1] - y) < 1.5, seen.join());
   }));
 
+test('two fingers tilt, turn and near what lies between them', kTest, () =>
+  visit('fog=0&at=46,10,800000', async (page) => {
+    await bare(page);
+    const move = await fingersOf(page), [x, y] = [kSize.width / 2, kSize.height / 2], before = await status(page), point = await groundAt(page, x, y);
+    const pair = (gap, angle = 0, up = 0) => [-1, 1].map((side) => [x + side * gap * Math.cos(angle), y - up + side * gap * Math.sin(angle)]);
+    const tilted = await move(pair(60), pair(60, 0, 60)), seen = await onScreen(page, point);
+    assert.ok(tilted.pitch > before.pitch + 0.3, `${before.pitch} to ${tilted.pitch}`);
+    assert.ok(Math.hypot(seen[0] - x, seen[1] - y + 60) < 3, seen.join());
+    const held = await groundAt(page, x, y), turned = await move(pair(60), pair(60, 0.5)), still = await onScreen(page, held);
+    assert.ok(Math.abs(turned.heading - tilted.heading + 0.5) < 0.05, `${tilted.heading} to ${turned.heading}`);
+    assert.ok(Math.hypot(still[0] - x, still[1] - y) < 3, still.join());
+    const near = await move(pair(60), pair(120));
+    assert.ok(Math.abs((2 * apart(near.eye, held)) / apart(turned.eye, held) - 1) < 0.05, `${apart(turned.eye, held)} m to ${apart(near.eye, held)} m`);
+  }, { mobile: true }));
+
 test('a view is shared by latitude and longitude, and coordinates are searched for', kTest, () =>
   visit('fog=0&at=46.5,8.25,30000,60,-40', async (page) => {
     const { eye, heading, pitch } = await status(page), degrees = Math.PI / 180;
@@ -127,7 +142,7 @@ test('what there is not on globes has no switch', kTest, () =>
     assert.equal(await page.locator('#map').isVisible(), false);
   }));
 
-test('lengths are measured along the ellipsoid, and the scale is that of the ground', kTest, () =>
+test('lengths are measured along the ellipsoid, what is beyond the horizon is hidden, and the scale is that of the ground', kTest, () =>
   visit('fog=0&at=46,10,1500000', async (page) => {
     await bare(page);
     const clicks = [[120, 120], [360, 240]], [a, b] = [await groundAt(page, ...clicks[0]), await groundAt(page, ...clicks[1])];
@@ -140,6 +155,14 @@ test('lengths are measured along the ellipsoid, and the scale is that of the gro
     const [bar_px, text] = await page.evaluate(() => [document.querySelector('.scale').style.width, document.querySelector('.scale').textContent]);
     const px_m = (1.5e6 * 2 * kTan) / kSize.height, told_m = Number.parseFloat(text) * (text.includes('km') ? 1000 : 1);
     assert.ok(Math.abs((Number.parseFloat(bar_px) * px_m) / told_m - 1) < 0.02, `${bar_px} are ${text}`);
+    // Both are seen from space, and not from each other.
+    await page.keyboard.press('m');
+    await page.keyboard.down('Shift');
+    await page.mouse.click(...clicks[0]);
+    await until(page, (s) => s.sight_marked && s.sight_seen === null);
+    await page.mouse.click(...clicks[1]);
+    await until(page, (s) => !s.sight_marked && s.sight_seen === false);
+    await page.keyboard.up('Shift');
   }));
 
 test('depths keep what is near before what is far', kTest, () =>

@@ -1,9 +1,11 @@
 // Measurements against the raster that a scene was built of, and against PROJ's geod, which shares no code with the page's geodesics.
 import assert from 'node:assert/strict';
 import { execFileSync } from 'node:child_process';
+import { writeFile } from 'node:fs/promises';
+import { join } from 'node:path';
 import { after, before, test } from 'node:test';
 import { Terrain } from '@foreland/client';
-import { makeFolder, makeSceneOnEarth, on_earth, openSources, startServer } from './support.mjs';
+import { makeFolder, makeSceneOnEarth, on_earth, openSources, runForeland, startServer } from './support.mjs';
 
 const kTest = { timeout: 180_000 };
 let folder, sources, earth, profile, area, files, measurement;
@@ -105,6 +107,37 @@ test('profiles are the ground of the raster to a centimetre', kTest, async () =>
       count += line.places.length;
     }
     assert.ok(count > 10_000 && largest < 0.01, `${largest} m off, of ${count}`);
+  } finally {
+    terrain.close();
+    await server.stop();
+  }
+});
+
+test('what an area gained and lost between two dates is what rose and sank there', kTest, async () => {
+  const size = 65, spacing_m = 10, [first, last] = [Date.UTC(2000, 0, 1), Date.UTC(2002, 0, 1)];
+  const write = async (name, heightOf) => {
+    const rows = Array.from({ length: size }, (_, j) => Array.from({ length: size }, (_, i) => heightOf(i, size - 1 - j).toFixed(2)).join(' ')), path = join(folder.folder, name);
+    await writeFile(path, [`ncols ${size}`, `nrows ${size}`, 'xllcenter 0', 'yllcenter 0', `cellsize ${spacing_m}`, ...rows].join('\n') + '\n');
+    return path;
+  };
+  // A heap of 20 x 20 samples and 30 m rises in the west, and one of 10 m sinks in the east; the ground below them is rough.
+  const heap = (i, j, middle) => Math.max(0, 1 - Math.max(Math.abs(i - middle), Math.abs(j - 32)) / 10), rough = (i, j) => 100 + 5 * Math.sin(i) * Math.cos(j / 2);
+  const before = await write('before.asc', (i, j) => rough(i, j) + 10 * heap(i, j, 48)), after = await write('after.asc', (i, j) => rough(i, j) + 30 * heap(i, j, 16));
+  const scene = join(folder.folder, 'heaps.fls'), pyramid_m3 = (200 * 200) / 3;
+  await runForeland('build', before, '--vertical-step', '0.01', '--epoch', `2000-01-01=${before}`, '--epoch', `2002-01-01=${after}`, '-o', scene);
+  const server = await startServer(scene), terrain = Terrain.connect(`ws://127.0.0.1:${server.port}/fly`, { lens: { fovY: 1, width: 320, height: 200 } });
+  try {
+    await new Promise((resolve, reject) => (terrain.on('scene', resolve), terrain.on('refused', reject)));
+    const ring = [[40, 40], [600, 40], [600, 600], [40, 600]].map(([easting, northing]) => ({ easting, northing }));
+    const between = async (since_ms, until_ms) => (await measurement.measure(terrain, ring, { since_ms, until_ms })).change;
+    const near = (value, truth) => assert.ok(Math.abs(value / truth - 1) < 0.01, `${value}, ${truth}`);
+    const change = await between(first, last), back = await between(last, first), half = await between(first, (first + last) / 2);
+    near(change.gained_m3, 30 * pyramid_m3);
+    near(change.lost_m3, 10 * pyramid_m3);
+    near(back.gained_m3, change.lost_m3);
+    near(back.lost_m3, change.gained_m3);
+    near(half.gained_m3, change.gained_m3 / 2);
+    assert.deepEqual(await between(last, last), { since_ms: last, until_ms: last, gained_m3: 0, lost_m3: 0 });
   } finally {
     terrain.close();
     await server.stop();

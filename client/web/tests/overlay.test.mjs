@@ -53,6 +53,9 @@ test('what is wrong with a file is said', () => {
   assert.throws(() => readAs(lineAt([[8, 46], [9, 46]]), { is_geographic: false, crs: 'LOCAL_CS["of a quarry"]' }), /of a quarry.*is not known here/);
   const { features } = readAs({ ...lineAt([[5, 6], [7, 8]]), crs: { properties: { name: 'urn:ogc:def:crs:EPSG::26910' } } }, { is_geographic: false, crs: utm10 });
   assert.deepEqual(features[0].parts[0], Float64Array.of(5, 6, 7, 8));
+  // Paths and measurements that the page keeps name the scene's system as it is told.
+  for (const crs of [utm10, 'ENGCRS["synthetic landscape"]'])
+    assert.deepEqual(readAs({ ...lineAt([[5, 6], [7, 8]]), crs: { properties: { name: crs } } }, { is_geographic: false, crs }).features[0].parts[0], Float64Array.of(5, 6, 7, 8));
   assert.throws(() => readAs({ ...lineAt([[5, 6], [7, 8]]), crs: { properties: { name: 'EPSG:32632' } } }, { is_geographic: false, crs: utm10 }), /is in EPSG:32632/);
 });
 function nested(depth) {

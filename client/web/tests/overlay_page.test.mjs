@@ -24,7 +24,7 @@ before(async () => {
   const huts = join(folder.folder, 'huts & paths.geojson');
   await writeFile(huts, collection(feature('Polygon', [[[8.1, 46.1], [8.15, 46.1], [8.15, 46.15], [8.1, 46.15], [8.1, 46.1]]], { name: 'A reserve', since: 1914 })));
   server = await startServer(scene, 0, ['--overlay', huts]);
-  browser = await openBrowser();
+  browser = await openBrowser({ has_antialias: true });
 }, kTest);
 after(async () => {
   await browser?.close();
@@ -168,6 +168,12 @@ test('a bad file is refused in words, and the page goes on', kTest, () =>
     await until(page, (s, n) => s.frames > n + 2, frames);
     await dropFile(page, 'good.geojson', point([8.1, 46.1]));
     await untilLaid(page, 'good.geojson');
+    // What can be read in some way is, and the page says in which.
+    await dropFile(page, 'old.csv', Buffer.from('name,lon,lat\nGöschenen,8.1,46.12\n', 'latin1'));
+    await page.locator('#hint', { hasText: /old\.csv is not UTF-8; it was read as Latin-1/ }).waitFor({ state: 'attached' });
+    const walk = [0, 1, 2].map((i) => `<trkpt lat="46.1" lon="${8.1 + i / 100}"><ele>3000</ele></trkpt>`).join('');
+    await dropFile(page, 'untimed.gpx', `<gpx version="1.1" xmlns="http://www.topografix.com/GPX/1/1"><trk><trkseg>${walk}</trkseg></trk></gpx>`);
+    await page.locator('#hint', { hasText: /untimed\.gpx has no times: it is flown at 10 m\/s/ }).waitFor({ state: 'attached' });
   }));
 
 test('an overlay of the address that does not come is said', kTest, () =>

@@ -46,7 +46,7 @@ async function visit(url, body, expected) {
 }
 
 test('a page under a path connects beside it', kTest, () =>
-  visit(`http://127.0.0.1:${at.path}/terrain/?sharpness=0.6`, async (page) => {
+  visit(`http://127.0.0.1:${at.path}/terrain/?sharpness=0.6&tau=4`, async (page) => {
     await untilTerrain(page);
     assert.equal(await page.locator('#notice').isVisible(), false);
   }));
@@ -69,7 +69,7 @@ test('why a server lets nobody in is said, of whatever origin it is', kTest, asy
 });
 
 test('a server that is named without a scheme is told of, with one that will do', kTest, () =>
-  visit(new URL(`?sharpness=0.6&server=127.0.0.1:${server.port}`, server.url).href, async (page) => {
+  visit(new URL(`?sharpness=0.6&tau=4&server=127.0.0.1:${server.port}`, server.url).href, async (page) => {
     await page.getByText('There is no such server.').waitFor();
     await page.getByRole('button', { name: `Connect to ws://127.0.0.1:${server.port}/fly` }).click();
     await untilTerrain(page);
@@ -84,7 +84,7 @@ test('a page that came by https says that it cannot connect without TLS', kTest,
       await page.getByRole('button', { name: 'Connect to wss://terrain.example:8080/fly' }).waitFor();
       assert.deepEqual(sockets, []);
     });
-    await visit(new URL('?sharpness=0.6', secure.url).href, untilTerrain);
+    await visit(new URL('?sharpness=0.6&tau=4', secure.url).href, untilTerrain);
   } finally {
     await secure.stop();
   }
@@ -101,7 +101,7 @@ for (const [how, hidden, shown] of [
       const sockets = [];
       page.on('websocket', (socket) => sockets.push(socket.url()));
       await page.route('**/frame.html', (route) => route.fulfill({ contentType: 'text/html', headers: { 'Cross-Origin-Embedder-Policy': 'require-corp' },
-        body: `<body><iframe style="${hidden}" src="/?sharpness=0.6"></iframe>` }));
+        body: `<body><iframe style="${hidden}" src="/?sharpness=0.6&tau=4"></iframe>` }));
       await page.goto(new URL('frame.html', server.url).href);
       const frame = page.frame({ url: /sharpness/ });
       const style = (text) => page.locator('iframe').evaluate((element, css) => (element.style.cssText = css), text);

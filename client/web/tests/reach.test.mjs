@@ -3,7 +3,7 @@ import assert from 'node:assert/strict';
 import { after, before, test } from 'node:test';
 import { readFile } from 'node:fs/promises';
 import { join } from 'node:path';
-import { makeFolder, makeSceneOnEarth, openBrowser, openSources, root, startServer, status, until, visitPage } from './support.mjs';
+import { changedShare, fingersOf, makeFolder, makeSceneOnEarth, openBrowser, openSources, pictureOf, root, startServer, status, until, visitPage } from './support.mjs';
 
 const kTest = { timeout: 300_000 };
 let folder, server, browser, sources, pads, language;
@@ -36,6 +36,13 @@ test('a gamepad rests in the middle, and moves and looks outside of that', () =>
   assert.ok(Math.abs(right - 0.5) < 1e-9);
 });
 
+test("a headset's sticks move, turn and rise", () => {
+  const held = (handedness, x, y, trigger = 0) => ({ handedness, gamepad: { mapping: 'xr-standard', axes: [0, 0, x, y], buttons: [{ value: trigger }] } });
+  assert.equal(pads.headsetPad([]), null);
+  assert.equal(pads.headsetPad([held('left', 0.1, -0.1), { handedness: 'right', gamepad: null }]), null);
+  assert.deepEqual(pads.headsetPad([held('left', 1, -1), held('right', -1, 1, 1)]), { move: [1, 1, -1], look: [-1, 0], is_faster: true });
+});
+
 test('a language is the one that is asked for, or the first of the reader that there is; unknown words stay', () => {
   const of = language.languageOf;
   assert.deepEqual([of(null, []), of(null, ['it', 'fr-CA', 'de']), of('es', ['de']), of('xx', ['de-AT'])], ['en', 'fr', 'es', 'de']);
@@ -46,8 +53,45 @@ test('a language is the one that is asked for, or the first of the reader that t
     for (const each of language.kLanguages) assert.ok(bar.map((word) => language.translated(word, each)).join('').length <= bar.join('').length + 1, `${bar} ${each}`);
 });
 
-test('a gamepad flies the camera, and takes it from a tour', kTest, () =>
-  visit('tour=survey', async (page) => {
+const kApart_m = 40;
+// An emulator (iwer), with two eyes so far apart that it is seen, and matters.
+async function addHeadset(page) {
+  await page.addInitScript({ path: join(root, 'client/web/node_modules/iwer/build/iwer.min.js') });
+  await page.addInitScript((ipd) => {
+    window.device = new window.IWER.XRDevice(window.IWER.metaQuest3, { stereoEnabled: true, visibilityMask: null, ipd });
+    window.device.installRuntime({ forceInstall: true });
+  }, kApart_m);
+}
+
+// What is stated holds for both eyes: the server is told how far they are from the middle, and nothing is guaranteed until its regions are so wide.
+async function checkHeadset(page) {
+  const isBoth = (s, apart_m) => s.headset_eyes.length === 2 && Math.abs(Math.hypot(...s.headset_eyes[0].map((v, k) => v - s.headset_eyes[1][k])) - apart_m) < 1e-3 && s.tau_px < 4.001;
+  const halves = async () => {
+    const { width, height } = page.viewportSize(), clip = { y: 0, width: width / 2, height };
+    return changedShare(page, await page.screenshot({ clip: { ...clip, x: 0 } }), await page.screenshot({ clip: { ...clip, x: width / 2 } }));
+  };
+  const canvas = await page.locator('#scene').boundingBox();
+  await page.locator('[name=headset]').click();
+  const { eye, headset_eyes: [left, right] } = await until(page, isBoth, kApart_m);
+  assert.ok(Math.hypot(...eye.map((v, k) => (left[k] + right[k]) / 2 - v)) < 2, `${[left, right]} about ${eye}`);
+  const apart = await halves();
+  assert.ok(apart > 0.02, `each eye has a picture of its own: they differ in ${apart}`);
+  await page.evaluate(() => (window.device.ipd = 0));
+  await until(page, isBoth, 0);
+  assert.ok((await halves()) < 0.002, 'eyes in one place see the same');
+  await page.evaluate(() => window.device.controllers.left.updateAxis('thumbstick', 'y-axis', -1));
+  await until(page, (s, from) => Math.hypot(...s.eye.map((v, k) => v - from[k])) > 20, eye);
+  await page.evaluate(() => {
+    window.device.controllers.left.updateAxis('thumbstick', 'y-axis', 0);
+    return window.device.activeSession.end();
+  });
+  await until(page, (s) => s.headset_eyes.length === 0 && s.tau_px < 4.001);
+  assert.deepEqual(await page.locator('#scene').boundingBox(), canvas);
+  assert.ok((await pictureOf(page)).colours > 100);
+}
+
+test('a gamepad flies the camera, and takes it from a tour; a headset shows the scene to each eye', kTest, () =>
+  visit('tour=survey&contours=1&wireframe=1', async (page) => { // so that there is something to see
     await until(page, (s) => s.touring);
     await page.evaluate((axes) => (navigator.getGamepads = () => [{ mapping: 'standard', connected: true, axes, buttons: [] }]), [0, -1, 0, 0]);
     const { eye } = await until(page, (s) => !s.touring);
@@ -55,7 +99,12 @@ test('a gamepad flies the camera, and takes it from a tour', kTest, () =>
     const { heading } = await status(page);
     await page.evaluate((axes) => (navigator.getGamepads = () => [{ mapping: 'standard', connected: true, axes, buttons: [] }]), [0, 0, 1, 0]);
     await until(page, (s, before) => s.heading > before + 0.1, heading);
-  }, { prepare: (page) => page.addInitScript(() => (navigator.getGamepads = () => [])) }));
+    await page.evaluate(() => (navigator.getGamepads = () => []));
+    await checkHeadset(page);
+  }, { prepare: async (page) => {
+    await page.addInitScript(() => (navigator.getGamepads = () => []));
+    await addHeadset(page);
+  } }));
 
 test('the map shows the scene, and a click goes there; nothing serious is wrong for people with other needs', kTest, () =>
   visit('map=1&view=0,0,3000,0,-20', async (page) => {
@@ -68,6 +117,35 @@ test('the map shows the scene, and a click goes there; nothing serious is wrong 
     const { violations } = await page.evaluate(() => window.axe.run(document, { resultTypes: ['violations'] }));
     assert.deepEqual(violations.filter(({ impact }) => ['serious', 'critical'].includes(impact)).map(({ id, nodes }) => `${id}: ${nodes[0].html}`), []);
   }));
+
+test('two fingers tilt, turn and near what lies between them, and three carry along', kTest, () =>
+  visit('view=0,-2500,3500,0,-40', async (page) => {
+    await page.evaluate(() => document.activeElement?.blur());
+    const move = await fingersOf(page), [x, y] = [480, 320], point = await page.evaluate(([x, y]) => window.foreland.groundAt(x, y), [x, y]);
+    const away = ({ eye }) => Math.hypot(...eye.map((v, k) => v - point[k])), seen = () => page.evaluate((at) => window.foreland.onScreen(at), point);
+    const pair = (apart, angle = 0, up = 0) => [-1, 1].map((side) => [x + side * apart * Math.cos(angle), y - up + side * apart * Math.sin(angle)]);
+    const before = await status(page);
+    const isHeld = async (name) => {
+      const [sx, sy] = await seen();
+      assert.ok(Math.hypot(sx - x, sy - y) < 3, `${name}: what lay between the fingers is at ${sx}, ${sy}`);
+    };
+    const tilted = await move(pair(80), pair(80, 0, 60));
+    assert.ok(tilted.pitch > before.pitch + 0.2 && tilted.pitch < before.pitch + 0.35, `${tilted.pitch} after ${before.pitch}`);
+    assert.ok(Math.abs(away(tilted) / away(before) - 1) < 1e-3 && tilted.eye[2] < before.eye[2] - 300, `${tilted.eye}`);
+    await isHeld('tilted');
+    const turned = await move(pair(80), pair(80, 0.5));
+    assert.ok(Math.abs(turned.heading - tilted.heading + 0.5) < 0.02, `${turned.heading} after ${tilted.heading}`);
+    assert.ok(Math.abs(away(turned) / away(tilted) - 1) < 1e-3 && Math.abs(turned.pitch - tilted.pitch) < 0.02);
+    await isHeld('turned');
+    const near = await move(pair(80), pair(120));
+    assert.ok(Math.abs((1.5 * away(near)) / away(turned) - 1) < 0.01, `${away(near)} m after ${away(turned)} m`);
+    await isHeld('neared');
+    await page.screenshot({ path: process.env.KEEP ? `${process.env.KEEP}/touch.png` : undefined });
+    const three = [[400, 300], [480, 300], [560, 300]], carried = await move(three, three.map(([fx, fy]) => [fx, fy + 60]));
+    const [ahead, aside] = [carried.eye[0] - near.eye[0], carried.eye[1] - near.eye[1]];
+    assert.ok(Math.hypot(ahead, aside) > 50 && Math.abs(Math.atan2(ahead, aside) - near.heading) < 0.1, `${carried.eye} after ${near.eye}`);
+    assert.ok(Math.abs(carried.pitch - near.pitch) < 1e-9 && Math.abs(carried.eye[2] - near.eye[2]) < 2);
+  }, { mobile: true }));
 
 test('who wants less motion stops at once', kTest, () =>
   visit('view=0,0,3000,0,-20', async (page) => {

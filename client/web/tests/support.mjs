@@ -68,6 +68,19 @@ export async function dropFile(page, name, content) {
   await page.dispatchEvent('body', 'drop', { dataTransfer: files });
 }
 
+// Fingers of a touch screen, each at x and y: they come down, and go by steps.
+export async function fingersOf(page) {
+  const client = await page.context().newCDPSession(page);
+  const send = (type, points) => client.send('Input.dispatchTouchEvent', { type, touchPoints: points.map(([x, y], id) => ({ x, y, id })) });
+  return async (from, to, steps = 4) => {
+    await send('touchStart', from);
+    for (let k = 1; k <= steps; ++k) await send('touchMove', from.map((at, i) => at.map((v, axis) => v + (k / steps) * (to[i][axis] - v))));
+    await send('touchEnd', []);
+    await until(page, (s, frames) => s.frames > frames + 1, (await status(page)).frames);
+    return status(page);
+  };
+}
+
 // The middle of the canvas, where no panel lies over it.
 export function middleOf(page) {
   const { width, height } = page.viewportSize();

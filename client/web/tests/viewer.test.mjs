@@ -6,7 +6,7 @@ import { after, before, test } from 'node:test';
 import { serveMessage } from '../../js/tests/socket.mjs';
 import { readHeights } from '../../js/tests/heights.mjs';
 import {
-  changedShare, makeFolder, makeMovingScene, makeScene, makeSceneWithObjects, makeSceneWithPicture, middleOf, openBrowser, openPage, pictureOf, root, runForeland, startServer, status, until, untilTerrain, visitPage,
+  changedShare, is_soak, makeFolder, makeMovingScene, makeScene, makeSceneWithObjects, makeSceneWithPicture, middleOf, openBrowser, openPage, pictureOf, root, runForeland, startServer, status, until, untilTerrain, visitPage,
 } from './support.mjs';
 
 const kTest = { timeout: 180_000 };
@@ -28,7 +28,7 @@ after(async () => {
 
 // Drawn coarsely, because a processor does it.
 function visit(query, body, { watches = false, sharpness = 0.6, server: at = server, ...options } = {}) {
-  const url = new URL(`?sharpness=${sharpness}&${query}`, at.url);
+  const url = new URL(`?${query}&sharpness=${sharpness}&tau=4`, at.url);
   return visitPage(browser, url, body, { prepare: (page) => watches && watchFrames(page), ...options });
 }
 
@@ -65,7 +65,7 @@ test('the connection and the meshes are in a worker', kTest, async () => {
   const { page, complaints, close } = await openPage(browser);
   try {
     await page.addInitScript(() => (window.WebSocket = class { constructor() { throw new Error('a socket of the drawing thread'); } }));
-    await page.goto(new URL('?sharpness=0.6', server.url).href);
+    await page.goto(new URL('?sharpness=0.6&tau=4', server.url).href);
     await untilTerrain(page);
     assert.deepEqual(page.workers().map((worker) => new URL(worker.url()).pathname.replace(/-.*/, '')), ['/assets/worker']);
     assert.deepEqual(complaints, []);
@@ -440,7 +440,7 @@ test('fifty objects fly by, each in the colours of its model', kTest, async () =
   const crowded = await startServer(await makeSceneWithObjects(folder.folder, 50));
   const { page, complaints, close } = await openPage(browser);
   try {
-    await page.goto(new URL('?sharpness=0.6&tour=orbit', crowded.url).href);
+    await page.goto(new URL('?sharpness=0.6&tau=4&tour=orbit', crowded.url).href);
     await untilTerrain(page);
     const before_ = await until(page, (s) => s.object_images === 1 && s.touring);
     const after_ = await until(page, (s, b) => s.keyframes >= b.keyframes + 15 && s.mesh_version > b.mesh_version, before_);
@@ -473,7 +473,7 @@ test('the next mesh begins as the last one ends, terrain and objects', kTest, as
     for (const blend of ['keyframe', 'geomorph']) {
       await visit(`tour=orbit&tau=1&fog=0&blend=${blend}`, async (page) => {
         await until(page, (s) => s.touring && s.object_triangles > 50 * 96);
-        const all = await compareEnds(page, 12);
+        const all = await compareEnds(page, is_soak ? 12 : 6);
         const shareOf = (key) => Math.max(...all.map((one) => one[key] / one.pixels));
         // Light does not move: what is seen to is the ground's outline and height.
         assert.ok(shareOf('moved') > 0.005, `only ${shareOf('moved')} of the pixels change from beginning to end`);
@@ -660,7 +660,7 @@ async function sidesOf(page) {
 }
 
 test('relief, the sun and the colours of the ground are chosen', kTest, () =>
-  visit('fog=0', async (page) => {
+  visit('fog=0&tau=1', async (page) => {
     await untilTiles(page);
     const changes = async (choose) => {
       const before_ = await middleOf(page);
@@ -717,6 +717,22 @@ test('scene time is dragged, runs to its end, and stops', kTest, async () => {
       await bar.locator('button').click(); // once more, from the first date, though the last is still shown
       await until(page, (s, ms) => s.scene_time_ms < ms, last);
       assert.equal(await bar.locator('button').getAttribute('aria-label'), 'Stop scene time');
+      // What an area has gained since a date, until the ground that is shown.
+      await bar.locator('button').click();
+      const shown = await drag(first + 300 * day_ms);
+      await until(page, (s, ms) => s.scene_time_ms === ms, shown);
+      await page.getByRole('button', { name: 'Measure', exact: true }).click();
+      const { width, height } = page.viewportSize();
+      for (const [x, y, count] of [[0.45, 0.75, 1], [0.58, 0.75, 2], [0.52, 0.6, 3]]) {
+        await page.mouse.click(x * width, y * height);
+        await until(page, (s, n) => s.measured_corners === n, count);
+      }
+      const since_first = (await status(page)).measured_change;
+      assert.deepEqual([since_first.since_ms, since_first.until_ms], [first, shown]);
+      assert.match(await page.locator('#measure').textContent(), new RegExp(`Gained until ${new Date(shown).toISOString().slice(0, 10)}`));
+      await page.locator('[name=measure_since]').selectOption(String(last));
+      const since_last = (await until(page, (s, ms) => s.measured_change?.since_ms === ms, last)).measured_change;
+      assert.ok(Math.abs(since_first.gained_m3 - since_first.lost_m3 - since_last.gained_m3 + since_last.lost_m3) > 1, JSON.stringify([since_first, since_last]));
     }, { server: moving });
   } finally {
     await moving.stop();
@@ -839,7 +855,7 @@ test('a scene that does not change has no time line, and no colours of change', 
 test('a model without an image is drawn, and none is asked for', kTest, async () => {
   const plain = await startServer(await makeSceneWithObjects(folder.folder, 3, false));
   try {
-    await visit('tour=orbit', async (page) => {
+    await visit('tour=orbit&tau=1', async (page) => {
       const asked = [];
       page.on('request', (request) => asked.push(request.url()));
       const { keyframes } = await until(page, (s) => s.object_triangles > 3 * 96);

@@ -112,6 +112,10 @@ Result<StaticFiles> StaticFiles::load(const fs::path& directory) {
 
 void StaticFiles::add(std::string path, std::string body) {
   StaticFile file = fileOf(path, std::move(body));
+  if (fs::path(path).extension() == ".bin") {
+    file.brotli = compressBrotli(*file.body);
+    file.gzip = compressGzip(*file.body);
+  }
   files_[std::move(path)] = std::move(file);
 }
 

@@ -33,8 +33,8 @@ class StaticFiles {
   // index.html or exceeds the limits.
   static Result<StaticFiles> load(const std::filesystem::path& directory);
 
-  // Adds a file under a path that begins with a slash, as it is: models' images are too large to be compressed at the
-  // start.
+  // Adds a file under a path that begins with a slash. What is named .bin is compressed; anything else stays as it is:
+  // models' images are too large for that at the start.
   void add(std::string path, std::string body);
 
   // The file of a URL's path, with percent-encoding undone and without the query: "/", "/assets/a.js". The path of a

@@ -28,7 +28,7 @@ class Page {
   void counters(const std::string& name, const char* help, const char* label, const Names& names,
                 const Values& values) {
     head(name, help, "counter");
-    for (size_t i = 0; i < names.size(); ++i) write("{}{{{}=\"{}\"}} {}\n", name, label, names[i], values[i].load());
+    for (size_t i = 0; i < names.size(); ++i) write("{}{{{}=\"{}\"}} {}\n", name, label, names[i], uint64_t{values[i]});
   }
   template <class Labelled>
   void gauges(const std::string& name, const char* help, const char* label, const Labelled& values) {
@@ -131,6 +131,20 @@ void renderCodedPages(const CodedPageCounts& pages, Page& page) {
   page.counter("foreland_page_cache_damaged_total", "Groups that could not be inflated.", pages.damaged);
 }
 
+void renderStore(const Metrics& m, const StoreCounts& store, Page& page) {
+  page.gauge("foreland_store_lacking", "Flying viewers whose tolerance is raised for what is not there yet.",
+             m.lacking.load());
+  page.gauge("foreland_store_wished_chunks", "Chunks that viewers would like to be fetched.", store.wished);
+  page.gauge("foreland_store_cache_bytes", "Bytes of scenes at a distance that are there.", store.there_bytes);
+  page.gauge("foreland_store_held_bytes", "Of these, bytes that somebody's section needs.", store.held_bytes);
+  page.gauge("foreland_store_capacity_bytes", "The most that may be there.", store.capacity_bytes);
+  page.counter("foreland_store_fetched_chunks_total", "Chunks fetched from stores.", store.fetched);
+  page.counter("foreland_store_fetched_bytes_total", "Their bytes.", store.fetched_bytes);
+  page.counter("foreland_store_evicted_chunks_total", "Chunks that made room for others.", store.evicted);
+  page.counters("foreland_store_failures_total", "Fetches that failed, by reason.", "reason",
+                std::array{"read", "checksum", "room"}, store.failures);
+}
+
 void renderState(const ServerState& state, Page& page) {
   page.info("foreland_build_info", "The program.", "version", state.version);
   page.gauge("foreland_uptime_seconds", "Time since the server started.", state.uptime_s);
@@ -163,6 +177,7 @@ std::string renderPrometheus(const Metrics& metrics, const ServerState& state) {
   renderKeyframes(metrics, page);
   renderOcclusion(metrics, page);
   renderBytes(metrics, page);
+  if (state.store) renderStore(metrics, *state.store, page);
   renderState(state, page);
   return page.take();
 }

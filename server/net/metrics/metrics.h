@@ -61,6 +61,7 @@ struct Metrics {
   std::atomic<int64_t> flying{0};                         // viewers that have been sent a keyframe
   std::atomic<int64_t> tolerances_mpx{0};                 // of all flying viewers, in force, thousandths of a pixel
   std::atomic<int64_t> coarse{0};                         // flying viewers whose tolerance is above what they asked for
+  std::atomic<int64_t> lacking{0};                        // of these, for want of pages of a scene at a distance
   std::atomic<int64_t> occluding{0};                      // viewers whose last keyframe left out what is hidden
   std::atomic<int64_t> left_out_nodes{0};                 // of these, as last compared
   std::atomic<uint64_t> occlusion_us{0};                  // that finding it out took, by its usual cost
@@ -75,6 +76,13 @@ struct CodedPageCounts {
   uint64_t held_bytes = 0, inflated = 0, woken = 0, evicted = 0, damaged = 0;
 };
 
+// What is known of scenes at a distance (terrain/store/distant).
+struct StoreCounts {
+  uint64_t there_bytes = 0, held_bytes = 0, capacity_bytes = 0, wished = 0;
+  uint64_t fetched = 0, fetched_bytes = 0, evicted = 0;
+  std::array<uint64_t, 3> failures{};  // reads that failed, chunks that were not sound, no room
+};
+
 struct ServerState {
   std::string version;
   double uptime_s = 0;
@@ -85,6 +93,7 @@ struct ServerState {
   size_t queue_depth = 0;
   const Histogram* lateness = nullptr;
   std::optional<CodedPageCounts> coded_pages{};                     // of scenes whose pages are coded
+  std::optional<StoreCounts> store{};                               // of scenes at a distance
   std::vector<std::pair<std::string, int64_t>> viewers_by_scene{};  // of a server with several scenes
 };
 

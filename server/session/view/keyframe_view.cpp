@@ -24,7 +24,10 @@ RegionParts regionFor(const KeyframeState& state, const ViewerMotion& viewer, co
   const ExpectedMotion motion = viewer.expected(request);
   const Time end = shownUntil(state, t, until_next);
   const Duration unknown = state.has_jumped ? state.grid * kShownAfterJump : end - state.newest_client;
-  return viewer.regionAround(motion.at(t), motion, shownFrom(state, t), end, foreseenFor(state, until_next), unknown);
+  RegionParts parts =
+      viewer.regionAround(motion.at(t), motion, shownFrom(state, t), end, foreseenFor(state, until_next), unknown);
+  parts.rest.radius_m += request.eye_radius_m;
+  return parts;
 }
 
 proto::View viewFor(const ViewerMotion& motion, const proto::ViewRequest& request, double tau_px, Time t,

@@ -22,7 +22,7 @@ inline Duration foreseenFor(const KeyframeState& state, Duration until_next) {
   return state.leadTime(std::max(state.interval, until_next));
 }
 
-// What the camera stays in while the section for `t` is shown, around where it is expected then.
+// What the camera, and all eyes about it, stay in while the section for `t` is shown, around where it is expected then.
 RegionParts regionFor(const KeyframeState& state, const ViewerMotion& motion, const proto::ViewRequest& request, Time t,
                       Duration until_next);
 

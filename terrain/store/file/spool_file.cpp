@@ -13,18 +13,26 @@
 namespace foreland::terrain {
 
 Error SpoolFile::systemError(const char* doing) const {
-  return {ErrorCode::kIo, target_.string() + ": " + doing + " a temporary file beside it: " + std::strerror(errno)};
+  const std::string why = std::strerror(errno);
+  const std::string way_out = errno == ENOSPC || errno == EFBIG || errno == EDQUOT
+                                  ? "; make room there, " + std::to_string((end_ >> 20) + 1) + " MiB are not enough"
+                                  : "";
+  return {ErrorCode::kIo, target_.string() + ": " + doing + " a temporary file beside it: " + why + way_out};
+}
+
+int openUnnamed(const std::filesystem::path& folder) {
+  int file = ::open(folder.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0600);
+  if (file < 0 && (errno == EOPNOTSUPP || errno == EISDIR || errno == EINVAL)) {
+    std::string name = (folder / ".foreland-XXXXXX").string();
+    file = ::mkostemp(name.data(), O_CLOEXEC);
+    if (file >= 0) ::unlink(name.c_str());
+  }
+  return file;
 }
 
 Result<SpoolFile> SpoolFile::create(const std::filesystem::path& target) {
   SpoolFile spool(target);
-  const std::filesystem::path folder = target.has_parent_path() ? target.parent_path() : std::filesystem::path(".");
-  spool.file_ = ::open(folder.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0600);
-  if (spool.file_ < 0 && (errno == EOPNOTSUPP || errno == EISDIR || errno == EINVAL)) {
-    std::string name = (folder / ".foreland-XXXXXX").string();
-    spool.file_ = ::mkostemp(name.data(), O_CLOEXEC);
-    if (spool.file_ >= 0) ::unlink(name.c_str());
-  }
+  spool.file_ = openUnnamed(target.has_parent_path() ? target.parent_path() : std::filesystem::path("."));
   if (spool.file_ < 0) return spool.systemError("cannot create");
   return spool;
 }

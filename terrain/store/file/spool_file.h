@@ -12,6 +12,9 @@
 
 namespace foreland::terrain {
 
+// Opens a file without a name in a folder, for reading and writing; below 0, with errno, if it cannot.
+int openUnnamed(const std::filesystem::path& folder);
+
 class SpoolFile {
  public:
   // On the disk that `target` will be on.

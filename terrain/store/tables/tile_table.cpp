@@ -63,6 +63,21 @@ Result<TileTable> TileTable::read(ByteSpan bytes, uint32_t face_steps) {
   return table;
 }
 
+uint64_t TileTable::directoryBytes(ByteSpan bytes, uint32_t face_steps) {
+  TileSectionStart start;
+  if (bytes.size() < sizeof(start)) return 0;
+  std::memcpy(&start, bytes.data(), sizeof(start));
+  uint64_t end = sizeof(start) + start.layers * sizeof(StoredLayer);
+  if (start.layers > proto::kMaxTileLayers || bytes.size() < end) return 0;
+  const std::span stored(reinterpret_cast<const StoredLayer*>(bytes.data() + sizeof(start)), start.layers);
+  for (const StoredLayer& s : stored) {
+    const auto layer = layerOf(s, face_steps);
+    if (!layer) return 0;
+    end += (layer->isGlobe() ? s.tiles : tileCount(*layer)) * sizeof(StoredTile) + s.attribution_bytes;
+  }
+  return end;
+}
+
 const StoredTile& TileTable::at(const proto::TileId& tile) const {
   CHECK_TRUE(tile.layer < layers_.size() && layers_[tile.layer].has(tile));
   if (layers_[tile.layer].isGlobe()) return inTree(tile);

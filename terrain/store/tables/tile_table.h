@@ -28,6 +28,10 @@ class TileTable {
   // `face_steps`: of a globe the lattice steps along a side of a face, else 0.
   static Result<TileTable> read(ByteSpan bytes, uint32_t face_steps = 0);
 
+  // How many bytes of a section there are before those of its tiles; of its start, with all StoredLayer, that is told.
+  // 0 if it is damaged.
+  static uint64_t directoryBytes(ByteSpan bytes, uint32_t face_steps = 0);
+
   std::span<const proto::TileLayer> layers() const { return layers_; }
   // Of a tile that the layer has. Nothing if it is not stored, because its parent shows the same.
   std::optional<proto::TileBounds> bounds(const proto::TileId& tile) const;

@@ -1,6 +1,9 @@
 // Messages: what goes in comes out, and any other bytes end in an Error.
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <limits>
+
 #include "base/rng.h"
 #include "proto/message/message.h"
 
@@ -77,6 +80,23 @@ TEST(Message, AnOrderIsOneToThreeAndAboveOneOfAFixedInterval) {
   for (const auto& refused : {asking(kMaxOrder + 1, 0), asking(2, 500)}) {
     ASSERT_FALSE(refused.ok());
     EXPECT_NE(refused.error().message.find("order"), std::string::npos);
+  }
+}
+
+TEST(Message, EyesAreUpToAHundredMetresFromThePose) {
+  const auto asking = [](double radius_m) {
+    ViewRequest request;
+    request.lens = {0.9, 800, 600};
+    request.eye_radius_m = radius_m;
+    return decodeClientMessage(encode(request));
+  };
+  for (const double radius_m : {0.0, 0.032, kMaxEyeRadius_m}) {
+    ASSERT_TRUE(asking(radius_m).ok());
+    EXPECT_EQ(std::get<ViewRequest>(*asking(radius_m)).eye_radius_m, radius_m);
+  }
+  for (const double radius_m : {-1e-3, 100.1, std::numeric_limits<double>::infinity(), std::nan("")}) {
+    ASSERT_FALSE(asking(radius_m).ok()) << radius_m;
+    EXPECT_NE(asking(radius_m).error().message.find("eyes"), std::string::npos);
   }
 }
 

@@ -86,6 +86,24 @@ TEST(NodeRecord, KeepsWhatItIsGiven) {
   }
 }
 
+TEST(NodeRecord, KeepsTheSumOfItsEdgesEndsWhateverBecomesKnown) {
+  Rng rng(4);
+  for (int i = 0; i < 10000; ++i) {
+    const auto height = [&] { return static_cast<int32_t>(rng.below(2 * kMaxHeight + 1)) - kMaxHeight; };
+    const int32_t a = height(), b = height(), own = height();
+    const QuantisedError error{static_cast<uint8_t>(rng.below(256))};
+    const NodeRecord r = NodeRecord::ofEnds(a, b), known = r.withHeight(own), settled = known.withError(error);
+    for (const NodeRecord& record : {r, known, settled}) {
+      ASSERT_TRUE(record.hasEnds());
+      ASSERT_EQ(record.ends(), a + b);
+      ASSERT_EQ(record.middle(), middleOf(a, b));
+    }
+    ASSERT_EQ(settled.height(), own);
+    ASSERT_EQ(settled.error(), error);
+    ASSERT_FALSE(NodeRecord::of(own, 0, error, {static_cast<uint8_t>(rng.below(QuantisedRadius::kMax + 1))}).hasEnds());
+  }
+}
+
 // A file may hold any byte.
 TEST(QuantisedRadius, EveryByteHasAFactorAndThoseBeyondTheLargestHaveItsOwn) {
   float last = 0;

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <map>
 #include <set>
 #include <vector>
@@ -66,6 +67,18 @@ TEST_P(CubeGrid, FineLevelsHaveNoPadding) {
   for (NodeId n : nodes) ++count[static_cast<size_t>(grid.level(n))];
   for (int level = 8; level <= grid.maxLevel(); ++level)
     EXPECT_EQ(count[static_cast<size_t>(level)], grid.levelOffset(level + 1) - grid.levelOffset(level));
+}
+
+TEST_P(CubeGrid, SlotsOfApexesOfALevelAreThoseOfEachNodesApexes) {
+  std::vector<GridTopology::ApexSlots> of_level;
+  for (int level = 1; level <= grid.maxLevel(); ++level) of_level.emplace_back(grid, level);
+  for (NodeId n : nodes) {
+    const int level = grid.level(n);
+    if (level == 1) continue;
+    const auto apexes = grid.apexes(n, level);
+    const std::array slots{grid.slot(apexes.ids[0]), grid.slot(apexes.ids[1])};
+    EXPECT_EQ(of_level[static_cast<size_t>(level - 1)].of(n), slots);
+  }
 }
 
 TEST_P(CubeGrid, ParentsAndChildrenAreMutual) {

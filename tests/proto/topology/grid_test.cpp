@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <map>
 #include <set>
 #include <string>
@@ -139,6 +140,18 @@ TEST_P(Grid, ParentsAreTheApexesThatAreNodesAndOneLevelCoarser) {
     }
     EXPECT_EQ(grid.parents(n).count, nodes_above);
     for (NodeId parent : grid.parents(n)) EXPECT_EQ(grid.level(parent), grid.level(n) - 1);
+  });
+}
+
+TEST_P(Grid, SlotsOfApexesOfALevelAreThoseOfEachNodesApexes) {
+  std::vector<GridTopology::ApexSlots> of_level;
+  for (int level = 1; level <= grid.maxLevel(); ++level) of_level.emplace_back(grid, level);
+  forEachNode(grid, [&](NodeId n) {
+    const int level = grid.level(n);
+    if (level == 1) return;
+    const auto apexes = grid.apexes(n, level);
+    const Slot first = grid.slot(apexes.ids[0]), second = apexes.count == 1 ? first : grid.slot(apexes.ids[1]);
+    EXPECT_EQ(of_level[static_cast<size_t>(level - 1)].of(n), (std::array{first, second}));
   });
 }
 

@@ -42,46 +42,6 @@ struct Place {
   }
 };
 
-// Whether a point is within a millimetre of a triangle that `near(point, visit)` visits.
-template <class Near>
-bool isOnTriangle(const glm::dvec3& point, const Near& near) {
-  bool is_on = false;
-  near(point, [&](const Corners& t) {
-    const glm::dvec3 across = 1e-3 * glm::normalize(glm::cross(t[1] - t[0], t[2] - t[0]));
-    is_on = is_on || meetPlainly(point - across, point + across, t);
-  });
-  return is_on;
-}
-
-// Whether both say the same. Where light comes nearly along a triangle, rounding moves the point where they meet: there
-// the point that was found must lie on a triangle.
-template <class Near>
-bool isSame(const std::optional<server::SightHit>& found, const std::optional<double>& expected, const PlainLine& line,
-            const Near& near) {
-  if (found.has_value() != expected.has_value()) return false;
-  if (!found) return true;
-  const double apart_m = std::fabs(found->share - *expected) * glm::distance(line.from, line.to);
-  return apart_m < 0.01 || (apart_m < 1 && isOnTriangle(found->position, near));
-}
-
-// Whether an answer that differs from the plain walk's is as right: lines whose ends are up to a centimetre away have
-// answers on both sides of it, and what was found lies on a triangle.
-template <class Ask, class Near>
-bool isGrazing(const std::optional<server::SightHit>& found, const PlainLine& line, const Ask& firstHit,
-               const Near& near) {
-  constexpr double kNone = 2;  // a share beyond the line's end
-  const glm::dvec3 up = line.transform.upAt(line.from), side = glm::normalize(glm::cross(up, line.to - line.from));
-  double nearest = kNone, farthest = 0;
-  for (const glm::dvec3& shift : {up, -up, side, -side}) {
-    const PlainLine shifted{line.transform, line.from + 0.01 * shift, line.to + 0.01 * shift, line.refraction};
-    const double share = firstHit(shifted).value_or(kNone);
-    nearest = std::min(nearest, share);
-    farthest = std::max(farthest, share);
-  }
-  if (!found) return farthest == kNone;
-  return nearest <= found->share && found->share <= farthest && isOnTriangle(found->position, near);
-}
-
 class SightLines : public testing::TestWithParam<proto::FrameKind> {};
 
 TEST_P(SightLines, AreThoseOfAWalkOverAllTriangles) {
@@ -153,6 +113,21 @@ TEST_P(SightLines, StandOnTheTriangles) {
   }
   EXPECT_FALSE(place.sight->aboveGround({-0.1, 3}, 0, time));
   EXPECT_FALSE(place.sight->aboveGround({3, NAN}, 0, time));
+}
+
+TEST_P(SightLines, BetweenTwoPointsOfATriangleAreFree) {
+  const Place place(makeScene(38, 29, 9, GetParam()));
+  const server::SightTime time = place.sight->at(std::nullopt);
+  Rng rng(10);
+  for (int i = 0; i < 2000; ++i) {
+    const glm::dvec2 cell(rng.below(37), rng.below(28));
+    const auto point = [&] {
+      const glm::dvec2 within(rng.uniform(0.3, 0.7), rng.uniform(0.02, 0.25));  // below either diagonal
+      return place.sight->aboveGround(cell + within, 0, time).value();
+    };
+    ASSERT_TRUE(place.sight->sees(point(), point(), 1, time)) << i;  // straight on maps, 10^-6 m above it elsewhere
+    ASSERT_TRUE(place.sight->sees(point(), point(), GetParam() == proto::FrameKind::kPlanar ? 1 : 0, time)) << i;
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(Frames, SightLines, testing::Values(proto::FrameKind::kPlanar, proto::FrameKind::kGeographic));

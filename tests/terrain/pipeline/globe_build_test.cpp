@@ -13,6 +13,7 @@
 #include "terrain/store/scene.h"
 #include "terrain/store/verify.h"
 #include "tests/support/files.h"
+#include "tests/support/forged_scene.h"
 #include "tests/support/seed.h"
 
 namespace foreland::terrain {
@@ -57,8 +58,9 @@ class Formula final : public GlobeSource {
 };
 
 struct Built {
-  explicit Built(const Formula& source, double quantum_m = 0.1) {
-    const auto report = buildGlobe(source, {.output = path, .height_quantum_m = quantum_m, .threads = 2});
+  explicit Built(const Formula& source, double quantum_m = 0.1, bool has_sea = false) {
+    const auto report =
+        buildGlobe(source, {.output = path, .height_quantum_m = quantum_m, .threads = 2, .has_sea = has_sea});
     EXPECT_TRUE(report.ok()) << (report.ok() ? "" : report.error().message);
     const auto opened = Scene::open(path);
     EXPECT_TRUE(opened.ok()) << (opened.ok() ? "" : opened.error().message);
@@ -100,6 +102,30 @@ TEST(GlobeBuild, HasTheSourcesHeightsAtEveryVertexAndIsSound) {
     }
   });
   EXPECT_GT(checked, 6000u);
+}
+
+TEST(GlobeBuild, ASeaIsANumberInTheHeaderThatKnowsNoOther) {
+  const Formula source(glm::dvec3(1, 0.2, 0.1));
+  const Built dry(source), wet(source, 0.1, true);
+  ASSERT_TRUE(dry.scene && wet.scene);
+  EXPECT_FALSE(dry.scene->hasSea());
+  EXPECT_TRUE(wet.scene->hasSea());
+  EXPECT_NE(dry.scene->id(), wet.scene->id());
+  const std::vector<char> bytes = test::slurp(dry.path), wet_bytes = test::slurp(wet.path);
+  FileHeader header = test::headerOf(bytes);
+  EXPECT_EQ(header.has_sea, 0u);
+  auto forged = bytes;
+  header.has_sea = 1;
+  test::sealScene(forged, header);
+  EXPECT_EQ(forged, wet_bytes) << "it differs in more";
+  for (const uint32_t other : {2u, 256u, ~0u}) {
+    header.has_sea = other;
+    test::sealScene(forged, header);
+    test::spit(wet.folder / "forged.fls", forged);
+    const auto opened = Scene::open(wet.folder / "forged.fls");
+    ASSERT_FALSE(opened.ok()) << other;
+    EXPECT_NE(opened.error().message.find("a sea that this version does not know"), std::string::npos);
+  }
 }
 
 TEST(GlobeBuild, IsFineWhereTheInsetIsAndNowhereElse) {

@@ -8,6 +8,7 @@
 #include "terrain/store/mapped_scene.h"
 #include "terrain/store/verify.h"
 #include "tests/support/files.h"
+#include "tests/support/forged_scene.h"
 #include "tests/support/scene.h"
 
 namespace foreland::terrain {
@@ -66,6 +67,16 @@ TEST_F(DatumFile, OfASceneThatStatesNoneIsAsItWas) {
   EXPECT_EQ(scene->vertical().zero_surface, proto::ZeroSurface::kUnstated);
   const std::vector<char> bytes = test::slurp(folder / "scene.fls");
   EXPECT_TRUE(std::all_of(bytes.begin() + 364, bytes.begin() + kPageBytes, [](char byte) { return byte == 0; }));
+}
+
+TEST_F(DatumFile, SeasAreOfGlobesAlone) {
+  build("scene.fls", {});
+  auto bytes = test::slurp(folder / "scene.fls");
+  FileHeader header = test::headerOf(bytes);
+  header.has_sea = 1;
+  test::sealScene(bytes, header);
+  test::spit(folder / "forged.fls", bytes);
+  EXPECT_FALSE(MappedScene::open(folder / "forged.fls").ok());
 }
 
 TEST_F(DatumFile, IsInTheScenesId) {

@@ -12,7 +12,7 @@ interface Exports {
   foreland_buffer(size: number): number;
   foreland_create(fov: number, w: number, h: number, tau: number, strategy: number, predictor: number, interval_ms: number,
                   longest_interval_ms: number, occlusion: number, memory_bytes: number, relief: number, imagery: number, tile_bytes: number,
-                  max_triangles: number, max_bytes_per_second: number): number;
+                  max_triangles: number, max_bytes_per_second: number, eye_radius_m: number): number;
   foreland_destroy(viewer: number): void;
   foreland_reconnect(viewer: number, now_ms: number): void;
   foreland_receive(viewer: number, now_ms: number): number;
@@ -36,7 +36,7 @@ interface Exports {
   foreland_take_changes(viewer: number, part: number): number;
   foreland_set_request(viewer: number, fov: number, w: number, h: number, tau: number, strategy: number, predictor: number,
                        interval_ms: number, longest_interval_ms: number, occlusion: number, memory_bytes: number, relief: number, imagery: number, tile_bytes: number,
-                       max_triangles: number, max_bytes_per_second: number): void;
+                       max_triangles: number, max_bytes_per_second: number, eye_radius_m: number): void;
   foreland_set_blend(viewer: number, blend: number): number;
   foreland_set_scene_clock(viewer: number, at_ms: number, scene_ms: number, rate: number): void;
   foreland_request_tour(viewer: number, seconds: number): void;

@@ -31,8 +31,8 @@ export class Screen {
   }
   // If the mesh of version `ready` can be shown, and the one that was shown last. A mesh whose time has come before it is ready
   // begins when it is; `coming` is being made ready.
-  frame(now_ms: number, pose: Pose, { fov_rad, width_px, height_px }: RequestedLens, strategy: Strategy, ready: number, coming: number): ScreenFrame {
-    const more = [...pose.eye, ...pose.orientation, fov_rad, width_px, height_px, kStrategies.indexOf(strategy), ready, coming];
+  frame(now_ms: number, pose: Pose, { fov_rad, width_px, height_px, eye_radius_m }: RequestedLens, strategy: Strategy, ready: number, coming: number): ScreenFrame {
+    const more = [...pose.eye, ...pose.orientation, fov_rad, width_px, height_px, eye_radius_m ?? 0, kStrategies.indexOf(strategy), ready, coming];
     const record = this.core.exports.foreland_screen_frame(this.handle, now_ms, ...more); // which may move the memory
     return readScreenRecord(this.core.view(), record);
   }

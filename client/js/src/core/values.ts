@@ -15,6 +15,7 @@ export interface RequestedLens {
   fov_rad: number;
   width_px: number;
   height_px: number;
+  eye_radius_m?: number; // how far eyes that see a frame are from the camera's
 }
 export interface Request extends RequestedLens {
   tau_px: number;

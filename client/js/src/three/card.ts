@@ -86,12 +86,12 @@ export class Card {
   }
 
   // Of the mesh that comes next, which `wanted` says and which is shown in `left_ms`, so much that it is there in time, but at most
-  // `limit` bytes. Of the first one all.
+  // `limit` bytes. Of the first one, and of one after a jump, all: until it is there what is drawn is worth nothing.
   upload(wanted: number, left_ms: number, frame_ms: number, limit: number): void {
     const next = Math.max(wanted, this.stage.shownVersion);
     this.upload_limit = Math.max(limit, limit * (frame_ms / 16));
     this.uploaded = 0;
-    if (this.stage.shownVersion === 0) return this.uploadAll(next);
+    if (this.stage.shownVersion === 0 || this.stage.isElsewhere(next)) return this.uploadAll(next);
     const cost = this.stage.costTo(next) + this.drape.costTo(next);
     if (cost === 0 && !this.stage.hasWork(next)) return;
     const frames = Math.max(1, Math.floor(left_ms / Math.max(frame_ms, 4)) - 1);

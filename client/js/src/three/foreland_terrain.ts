@@ -11,6 +11,7 @@ import type { Terrain } from '../terrain.js';
 import { layersOf } from '../options.js';
 import { Card } from './card.js';
 import { kStandardMaterials, type GroundMaterials, type Uniforms } from './materials.js';
+import type { Undulations } from './sea.js';
 import { kDefaultStyle, type Style } from './style.js';
 
 const kResizeQuiet_ms = 200; // a new lens is asked for when resizing has paused
@@ -72,6 +73,7 @@ export class ForelandTerrain extends THREE.Group {
   private lens_ms = -Infinity; // when it last changed
   private last_ms: number | null = null;
   private eye: Vector = [0, 0, 0];
+  private undulations: Undulations | null = null;
 
   constructor(readonly terrain: Terrain, private readonly options: ForelandTerrainOptions) {
     super();
@@ -142,6 +144,11 @@ export class ForelandTerrain extends THREE.Group {
   setStyle(style: Partial<Style>): void {
     Object.assign(this.style, style);
     this.showStyle();
+  }
+  /** Of a globe: where its sea lies, by which natural ground is coloured. */
+  setUndulations(undulations: Undulations | null): void {
+    this.undulations = undulations;
+    if (undulations) this.card?.terrain.setUndulations(undulations);
   }
   /** From the scene's axes to the world's. Read it, and write it not. */
   get sceneToWorld(): THREE.Matrix4 {
@@ -257,6 +264,7 @@ export class ForelandTerrain extends THREE.Group {
     if (!card || !screen || !welcome) return;
     const slopes = screen.slopeFrame();
     card.terrain.setScene(welcome, northOf(welcome.frame, slopes?.origin_latitude ?? 0));
+    this.setUndulations(this.undulations);
     card.objects.setScene(welcome);
     card.drape.setScene({ relief: screen.layer('relief'), imagery: screen.layer('imagery') }, slopes);
     this.showStyle();

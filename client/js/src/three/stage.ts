@@ -126,6 +126,10 @@ export class Stage {
     return { update: this.shown.update!, set: this.shown.set };
   }
 
+  // Whether what is drawn belongs elsewhere, as after a jump: a mesh on the way to `version` follows from none and takes its place at once.
+  isElsewhere(version: number): boolean {
+    return this.updates.some((u) => u.version > this.shown.version && u.version <= version && u.oldest_version === u.version && u.terrain.is_whole);
+  }
   // What it costs to make `version` ready.
   costTo(version: number): number {
     let cost = this.hidden.open?.cost ?? 0;

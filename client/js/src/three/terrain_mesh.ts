@@ -4,6 +4,7 @@ import type { MeshUpdate } from '../core/mesh_update.js';
 import type { Welcome } from '../core/values.js';
 import type { BufferSet } from './blend_buffers.js';
 import type { GroundMaterials, Uniforms } from './materials.js';
+import type { Undulations } from './sea.js';
 import { kGrounds, type Style } from './style.js';
 import { WireLines } from './wire_lines.js';
 
@@ -38,7 +39,7 @@ export class TerrainMesh {
   dispose(): void {
     disposeMaterials(this.surface);
     disposeMaterials(this.wire.object);
-    (this.uniforms.u_tints!.value as THREE.Texture).dispose();
+    for (const name of ['u_tints', 'u_undulations']) (this.uniforms[name]!.value as THREE.Texture).dispose();
   }
 
   // Colours follow the scene's size and relief. `north`: the earth's axis, or north on the map.
@@ -61,6 +62,14 @@ export class TerrainMesh {
     if (!is_globe || material.defines?.GLOBE !== undefined) return;
     material.defines = { ...material.defines, GLOBE: '' };
     material.needsUpdate = true;
+  }
+
+  // Of a globe: where its sea lies.
+  setUndulations({ first, step, columns, rows, metres }: Undulations): void {
+    const u = this.uniforms, radians = Math.PI / 180;
+    (u.u_undulations!.value as THREE.Texture).dispose();
+    u.u_undulations!.value = Object.assign(new THREE.DataTexture(metres, columns, rows, THREE.RedFormat, THREE.FloatType), { needsUpdate: true });
+    u.u_undulation_place!.value.set(first[0] * radians, first[1] * radians, 1 / (step[0] * radians), 1 / (step[1] * radians));
   }
 
   show(style: Style): void {
@@ -135,6 +144,8 @@ function terrainUniforms(): Uniforms {
     u_from_middle: { value: new THREE.Vector3() },
     u_round: { value: 1 },
     u_has_sea: { value: 0 },
+    u_undulations: { value: new THREE.DataTexture(new Float32Array(1), 1, 1, THREE.RedFormat, THREE.FloatType) },
+    u_undulation_place: { value: new THREE.Vector4() },
     u_sun: { value: new THREE.Vector3(0, 0, 1) },
     u_up: { value: new THREE.Vector3(0, 0, 1) },
     u_palette: { value: kPalette.map((c) => new THREE.Color(c)) },

@@ -264,11 +264,11 @@ function meshOf(memory: ArrayBuffer, r: FrameRecord): Mesh {
   };
 }
 
-type RequestArguments = [number, number, number, number, number, number, number, number, number, number, number, number, number, number, number];
+type RequestArguments = [number, number, number, number, number, number, number, number, number, number, number, number, number, number, number, number];
 
 function requestArguments(r: Request): RequestArguments {
   const strategy = kStrategies.indexOf(r.strategy);
   return [r.fov_rad, r.width_px, r.height_px, r.tau_px, strategy, kPredictors.indexOf(r.predictor), r.keyframe_ms, r.longest_keyframe_ms ?? 0,
     r.occlusion ? 1 : 0, r.memory_bytes, r.relief ? 1 : 0, r.imagery ? 1 : 0, r.tile_bytes,
-    r.max_triangles ?? 0, r.max_bytes_per_second ?? 0];
+    r.max_triangles ?? 0, r.max_bytes_per_second ?? 0, r.eye_radius_m ?? 0];
 }

@@ -11,12 +11,12 @@ export const kLimits: Limits = {
   textureLayers: kIsPhone ? { relief: 32, imagery: 96 } : { relief: 64, imagery: 256 },
 };
 
-// `finer`: by which the tolerance is smaller than what is wanted (Picture.exaggerate).
-export function optionsOf(settings: Settings, is_touring: boolean, finer: number): TerrainOptions {
+// `finer`: by which the tolerance is smaller than what is wanted (Picture.exaggerate); `eyeRadius`: of eyes in a headset.
+export function optionsOf(settings: Settings, is_touring: boolean, finer: number, eyeRadius: number): TerrainOptions {
   const { strategy, predictor, blend, tau_px, keyframe_ms, occlusion, relief, imagery } = settings;
   const automatic = is_touring ? 'path' : 'velocity';
   return {
-    strategy, blend, occlusion, relief, imagery, tolerancePx: tau_px / finer, predictor: predictor === 'auto' ? automatic : predictor,
+    strategy, blend, occlusion, relief, imagery, eyeRadius, tolerancePx: tau_px / finer, predictor: predictor === 'auto' ? automatic : predictor,
     keyframeMs: adapts(settings) ? kAdaptive_ms : keyframe_ms,
   };
 }

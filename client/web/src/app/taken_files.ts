@@ -1,12 +1,10 @@
 // Which files the page takes, dropped or opened, and what becomes of each.
 import { kOverlayFiles, kOverlayKinds } from '../overlay/file_kinds';
-import { geoJsonOf } from '../overlay/geo_json';
+import { inWorker } from '../overlay/in_worker';
 import { kColourFiles } from '../ui/colour_maps';
 import { DroppedFiles } from '../ui/dropped_files';
 import { reasonOf } from '../ui/words';
 import { kNotLaid, type Tools } from './tools';
-
-const kWithTimes = /"(coordTimes|coordinateProperties)"/; // in GeoJSON
 
 export interface Takers {
   tools: Pick<Tools, 'overlays' | 'follow' | 'waypoints'>;
@@ -19,15 +17,11 @@ export function takeFiles({ tools: { overlays, follow, waypoints }, addColours, 
     { ...kColourFiles, read: (name, bytes) => addColours(name.replace(/\.cpt$/i, ''), new TextDecoder().decode(bytes)),
       refuse: (_, reason) => refuse('This colour map cannot be read', reason) },
     { ...kOverlayFiles, read: async (name, bytes) => {
-      const json = isTrack(name, bytes) ? geoJsonOf(name, bytes).json : null; // before a worker takes the bytes
       await overlays.add(name, bytes);
+      const { json } = await inWorker('track', { name, bytes });
       if (json && !waypoints.take(json)) await follow.take(name, json, !/\.gpx$/i.test(name));
     }, refuse: (_, reason) => refuse(kNotLaid, reason) },
   ], (name) => refuse('This file says nothing to the page', `${name} is no colour map (.cpt), and no ${kOverlayKinds}.`));
-}
-
-function isTrack(name: string, bytes: Uint8Array): boolean {
-  return !/json$/i.test(name) || kWithTimes.test(new TextDecoder().decode(bytes));
 }
 
 // Files that the page's address names, by addresses that count from the page's own.

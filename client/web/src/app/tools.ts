@@ -2,6 +2,7 @@
 import type { Controls } from '../ui/controls';
 import { CutControl } from '../ui/cut_control';
 import { FollowControl } from '../ui/follow_control';
+import { HeadsetControl } from '../ui/headset_control';
 import { LabelControl } from '../ui/label_control';
 import { MeasureControl } from '../ui/measure_control';
 import { OverlayControl } from '../ui/overlay_control';
@@ -34,6 +35,7 @@ export class Tools {
   readonly follow: FollowControl;
   readonly waypoints: WaypointControl;
   readonly record: RecordControl;
+  readonly headset: HeadsetControl;
 
   constructor(byId: (id: string) => HTMLElement, page: ToolPage) {
     const { stage, controls } = page, bar = byId('tools');
@@ -47,6 +49,7 @@ export class Tools {
     const pose = () => controls.pose(stage.picture().up);
     this.record = new RecordControl(bar, byId('record'), { ...stage, pose, beginFrames: () => page.beginFrames(), endFrames: () => page.endFrames() }, this.follow);
     new ShareControl(bar, byId('share'), () => page.link(), page.needs_token, (text) => stage.say(text));
+    this.headset = new HeadsetControl(bar, stage);
     closeOthersIn(bar);
   }
 

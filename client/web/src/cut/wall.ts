@@ -13,6 +13,7 @@ export interface Wall {
   indices: Uint32Array;
   columns: number; // where there is ground
   span_m: number; // from its foot to the highest ground along it
+  foot_m: number; // height of its foot
 }
 
 // The place of a position on the lattice: latticeOf the other way round, for maps that are regular on it, as those of all scenes but globes are.
@@ -39,7 +40,7 @@ export async function wallAlong(terrain: Terrain, ring: readonly At[]): Promise<
 export function wallOf(edges: readonly MapPoint[][], ground: ArrayLike<number>, toScene: (place: MapPoint) => Vector): Wall {
   const known = Array.from(ground).filter(Number.isFinite), lowest = Math.min(...known), highest = Math.max(...known);
   const places = edges.flat(), first = places.findIndex((_, i) => Number.isFinite(ground[i]!));
-  if (first < 0) return { origin: [0, 0, 0], positions: new Float32Array(), heights: new Float32Array(), indices: new Uint32Array(), columns: 0, span_m: 1 };
+  if (first < 0) return { origin: [0, 0, 0], positions: new Float32Array(), heights: new Float32Array(), indices: new Uint32Array(), columns: 0, span_m: 1, foot_m: Infinity };
   const origin = toScene({ ...places[first]!, height: ground[first]! });
   const away = (point: Vector) => Math.hypot(point[0] - origin[0], point[1] - origin[1]);
   const extent_m = Math.max(...places.map((place, i) => (Number.isFinite(ground[i]!) ? away(toScene({ ...place, height: ground[i]! })) : 0)));
@@ -63,5 +64,5 @@ export function wallOf(edges: readonly MapPoint[][], ground: ArrayLike<number>, 
       ++columns;
     }
   }
-  return { origin, positions: Float32Array.from(positions), heights: Float32Array.from(heights), indices: Uint32Array.from(indices), columns, span_m: highest - foot };
+  return { origin, positions: Float32Array.from(positions), heights: Float32Array.from(heights), indices: Uint32Array.from(indices), columns, span_m: highest - foot, foot_m: foot };
 }

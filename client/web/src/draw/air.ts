@@ -11,6 +11,8 @@ import globeFrag from './shaders/globe.frag.glsl?raw';
 import head from './shaders/head.glsl?raw';
 import light from './shaders/light.glsl?raw';
 import overlay from './shaders/overlay.glsl?raw';
+import sea from './shaders/sea.glsl?raw';
+import seaFrag from './shaders/sea.frag.glsl?raw';
 import spaceFrag from './shaders/space.frag.glsl?raw';
 import viewshed from './shaders/viewshed.glsl?raw';
 
@@ -35,7 +37,8 @@ uniform highp sampler3D scattering_texture, single_mie_scattering_texture;
 `;
 
 const kAir = `precision highp sampler3D;\n#define COMBINED_SCATTERING_TEXTURES\n#define GROUND\n${kSizes}\n${definitions}${kParameters}${functions}${runtime}${air}`;
-export const kGlobeFragment = head + glsl.common + atmosphere + light + glsl.tiles + glsl.ground + viewshed + overlay + kAir + globeFrag;
+export const kGlobeFragment = head + glsl.common + atmosphere + light + glsl.tiles + glsl.ground + viewshed + overlay + kAir + sea + globeFrag;
+export const kSeaFragment = head + glsl.common + atmosphere + kAir + sea + seaFrag;
 export const kSpaceFragment = head + glsl.common + atmosphere + kAir + spaceFrag;
 
 export class Air {

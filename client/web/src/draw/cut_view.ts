@@ -61,6 +61,10 @@ export class CutView {
     this.wall_uniforms.u_stratum_m.value = roundStep(wall.span_m / kStrata);
   }
 
+  get shown(): Cut | null {
+    return this.cut;
+  }
+
   // The frame's pivot on the lattice, and its eye.
   place(pivot: THREE.Vector2, eye: THREE.Vector3): void {
     if (!this.cut) return;

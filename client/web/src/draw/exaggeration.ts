@@ -66,7 +66,7 @@ export function askedLens(fov_rad: number, aspect: number, factor: number): Aske
 }
 
 // How much longer a small step about a place of the asked picture is in the shown one, at most.
-function growth(shown: Pose, asked: Pose, [x, y]: readonly [number, number], factor: number): number {
+export function growth(shown: Pose, asked: Pose, [x, y]: readonly [number, number], factor: number): number {
   const axes = [[1, 0, 0], [0, 1, 0], [0, 0, -1]].map((axis) => turned(shown, axis as Triple));
   const at = (ax: number, ay: number) => axes.map((axis) => dot(tall(turned(asked, [ax, ay, -1]), factor), axis)) as Triple;
   const [X, Y, Z] = at(x, y), column = (ax: number, ay: number) => {

@@ -7,6 +7,7 @@ import { LineMaterial } from 'three/examples/jsm/lines/LineMaterial.js';
 
 const kWhole = '#cfe2f5', kFlown = '#ffb03d', kAircraft = '#ffb03d', kBelly = '#c9761c';
 const kSize = 0.045; // of the aircraft, of its distance
+const kEye = new THREE.Vector3();
 
 export class FlightMarks {
   readonly lines = new THREE.Group();
@@ -46,7 +47,8 @@ export class FlightMarks {
 
   // Draws a scene that they are in. An aircraft that is nearer than the ground can be is drawn over it, with depths of its own.
   draw(renderer: THREE.WebGLRenderer, scene: THREE.Scene, camera: THREE.PerspectiveCamera): void {
-    const { aircraft } = this, distance = aircraft.position.distanceTo(camera.position), is_near = aircraft.visible && distance < 1.2 * camera.near;
+    camera.updateWorldMatrix(true, false); // which is the last frame's until this one is rendered
+    const { aircraft } = this, distance = aircraft.position.distanceTo(kEye.setFromMatrixPosition(camera.matrixWorld)), is_near = aircraft.visible && distance < 1.2 * camera.near;
     aircraft.scale.setScalar(kSize * distance);
     aircraft.visible &&= !is_near;
     renderer.clear();

@@ -1,5 +1,7 @@
 // Marks of an overlay's points: pins that stand on the ground, and are hidden by what lies in front of them.
 import type { Vector } from '@foreland/client';
+import type { At } from '../cut/ring';
+import { isKept, type Kept } from '../cut/spans';
 import * as THREE from 'three';
 import type { Feature } from '../overlay/feature';
 import { drawPin } from './pins';
@@ -11,11 +13,14 @@ const kWide = 0.72; // of a pin's height
 
 export interface Mark {
   point: Vector; // in the scene's axes
+  lattice: At;
   feature: Feature;
 }
 
 export class OverlayMarks {
   readonly object: THREE.Points;
+  private given: readonly Mark[] = [];
+  private cut_away: Kept | null = null;
   private readonly uniforms = { u_pins: { value: new THREE.Texture() }, u_ratio: { value: 1 } };
 
   constructor() {
@@ -24,8 +29,21 @@ export class OverlayMarks {
     this.object.onBeforeRender = (renderer) => void (this.uniforms.u_ratio.value = renderer.getPixelRatio());
   }
 
-  // Counted from the first one on, so that floats are exact enough far from the scene's origin.
   show(marks: readonly Mark[]): void {
+    this.given = marks;
+    this.draw(marks.filter((mark) => this.isDrawn(mark)));
+  }
+  // Those on what it takes away are left out. Null: none.
+  cut(cut: Kept | null): void {
+    this.cut_away = cut;
+    if (this.given.length > 0) this.show(this.given);
+  }
+  private isDrawn({ lattice }: Mark): boolean {
+    return this.cut_away === null || isKept(this.cut_away, lattice);
+  }
+
+  // Counted from the first one on, so that floats are exact enough far from the scene's origin.
+  private draw(marks: readonly Mark[]): void {
     const { object } = this, first = marks[0]?.point;
     object.visible = first !== undefined;
     object.geometry.dispose();
@@ -44,7 +62,7 @@ export class OverlayMarks {
 
   // The nearest to the eye of the marks that are seen at a point of the window.
   markAt(marks: readonly Mark[], x: number, y: number, onScreen: (point: Vector) => Vector | null, isSeen: (point: Vector) => boolean): Mark | null {
-    const [found] = marks.flatMap((mark) => {
+    const [found] = marks.filter((mark) => this.isDrawn(mark)).flatMap((mark) => {
       const at = onScreen(mark.point), { marker_px } = mark.feature.style;
       return at && Math.abs(x - at[0]) <= (kWide / 2) * marker_px && y <= at[1] + 2 && y >= at[1] - marker_px ? [{ mark, depth: at[2] }] : [];
     }).sort((a, b) => a.depth - b.depth).filter(({ mark }) => isSeen(mark.point));

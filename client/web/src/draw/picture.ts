@@ -1,19 +1,22 @@
 // The picture: a canvas with its renderer, the terrain with the page's own look, the sky and the frozen view; and a frame of it.
 import type { Frame, Place, Pose, Scene, Terrain, Vector } from '@foreland/client';
-import { ForelandTerrain } from '@foreland/client/three';
+import { ForelandTerrain, type Sea } from '@foreland/client/three';
 import * as THREE from 'three';
 import { kLens, type Settings } from '../ui/settings';
-import { CutView } from './cut_view';
-import { askedLens, askedPose, shownPose } from './exaggeration';
+import { metNow, wayAlong, type Met } from '../cut/rays';
+import { CutView, type Cut } from './cut_view';
+import { askedLens, askedPose, shownPose, type AskedLens } from './exaggeration';
 import type { Air } from './air';
 import { DeepCanvas } from './deep_canvas';
 import { FlightMarks } from './flight_marks';
 import { FrozenView } from './frozen_view';
+import { Headset } from './headset';
 import { pageMaterials } from './materials';
 import { MeasureLine } from './measure_line';
 import { NameTexts } from './name_texts';
 import { OverlayDrape } from './overlay_drape';
 import { OverlayMarks } from './overlay_marks';
+import { SeaSurface } from './sea';
 import { ShadeProbe } from './shade_probe';
 import { kTerrainVertex } from './shaders';
 import { SightLines } from './sight_lines';
@@ -21,6 +24,7 @@ import { Sky } from './sky';
 import { ViewshedDrape } from './viewshed_drape';
 
 const kVisible = 8; // of 255
+const kTolerances = 1.25; // that ground may lie below the sea before that hides it: its own, and what the geoid bends until there
 const kLargestSide = 16384; // of a lens, in pixels: proto/space/pose.h
 
 // What a frame shows, and from where.
@@ -33,6 +37,7 @@ export interface Shot {
 
 export class Picture {
   readonly renderer: THREE.WebGLRenderer;
+  readonly headset: Headset;
   readonly frozen_view = new FrozenView();
   readonly sight_lines = new SightLines();
   readonly measure_line = new MeasureLine();
@@ -48,6 +53,7 @@ export class Picture {
   private readonly scene = new THREE.Scene();
   private readonly camera = new THREE.PerspectiveCamera();
   private readonly sky = new Sky(this.sun, this.up);
+  readonly sea = new SeaSurface(this.sun, this.up);
   private readonly haze = { u_haze: { value: 0 }, u_haze_height: { value: 1 }, u_eye_height: { value: 0 }, u_exaggeration: { value: 1 } };
   private exaggeration = 1; // of heights
   private readonly told = new THREE.PerspectiveCamera(); // that the server is told of
@@ -57,6 +63,7 @@ export class Picture {
   private deep: DeepCanvas | null = null; // of a globe
   private air: Air | null = null;
   private has_air = true; // that is shown
+  private tau_px = 1; // that is wanted
   private last_shot: Shot | null = null;
   private largest_upload = 0; // as a share of its frame's limit, since the first picture
   frames = 0;
@@ -64,7 +71,8 @@ export class Picture {
   constructor(private readonly canvas: HTMLCanvasElement, private readonly anisotropy: number | null) {
     this.renderer = new THREE.WebGLRenderer({ canvas, antialias: true, powerPreference: 'high-performance' });
     this.renderer.autoClear = false;
-    this.scene.add(this.sky.object, this.frozen_view.object, this.sight_lines.object, this.measure_line.object, this.overlay_marks.object, this.name_texts.object, this.cut_view.object,
+    this.headset = new Headset(this.renderer);
+    this.scene.add(this.sky.object, this.sea.object, this.frozen_view.object, this.sight_lines.object, this.measure_line.object, this.overlay_marks.object, this.name_texts.object, this.cut_view.object,
       this.flight_marks.lines, this.flight_marks.aircraft);
   }
 
@@ -77,6 +85,7 @@ export class Picture {
     this.cut_view.begin({ ...this.ground.uniforms, ...this.haze });
   }
   dispose(): void {
+    void this.headset.session?.end();
     this.ground?.dispose();
     this.overlay_drape.dispose();
     this.overlay_marks.dispose();
@@ -84,6 +93,7 @@ export class Picture {
     this.name_texts.clear();
     this.deep?.dispose();
     this.air?.dispose();
+    this.sea.dispose();
     this.renderer.dispose();
   }
 
@@ -104,8 +114,11 @@ export class Picture {
     const drawn = this.ground?.drawn;
     return {
       frames: this.frames,
+      ...this.headset.status(),
+      shown_pose: this.last_shot?.pose ?? null,
       depth_reversed: this.deep?.isReversed ?? false,
       air: this.air !== null && this.has_air,
+      sea: this.sea.uniforms.u_sea.value === 1,
       mesh_version: drawn?.version ?? 0,
       triangles: drawn?.triangles ?? 0,
       object_triangles: drawn?.objectTriangles ?? 0,
@@ -127,19 +140,27 @@ export class Picture {
     if (frame === 'globe') this.deep ??= new DeepCanvas(this.renderer);
   }
   // Of a globe whose air is known.
-  takeAir({ air, ground, sky }: { air: Air; ground: string; sky: string }): void {
+  takeAir({ air, ground, sea, sky }: { air: Air; ground: string; sea: string; sky: string }): void {
     const material = this.ground?.groundMaterial as THREE.RawShaderMaterial;
     this.air = air;
     air.uniforms.u_air!.value = this.has_air ? 1 : 0;
     material.fragmentShader = ground;
-    Object.assign(material.uniforms, air.uniforms);
+    Object.assign(material.uniforms, air.uniforms, this.sea.uniforms);
     material.needsUpdate = true;
     this.sky.takeAir(sky, air.uniforms);
+    this.sea.takeAir(sea, air.uniforms);
+  }
+  takeSea(sea: Sea): void {
+    const { scene } = this.ground!.terrain;
+    this.ground!.setUndulations(sea.undulations);
+    this.sea.take(sea, scene.ellipsoid!, scene.heights.lowest);
   }
   setLook(settings: Settings, sun: [number, number, number]): void {
     this.sun.set(...sun);
     this.haze.u_haze.value = settings.fog ? this.thickness : 0;
     this.has_air = settings.fog;
+    this.tau_px = settings.tau_px;
+    this.sea.wanted = settings.sea;
     if (this.air) this.air.uniforms.u_air!.value = settings.fog ? 1 : 0;
     const { ground, contours, relief, imagery, wireframe, snow_line: snowLine, change, shadows: reliefShadows } = settings;
     this.ground?.setStyle({ ground, contours, relief, imagery, wireframe, snowLine, change, reliefShadows, sun });
@@ -153,6 +174,12 @@ export class Picture {
     this.camera.aspect = width / height;
     this.camera.fov = (kLens.fov_rad * 180) / Math.PI;
     return true;
+  }
+
+  // Null: none. Pins on what it takes away are not drawn.
+  showCut(cut: Cut | null): void {
+    this.cut_view.show(cut);
+    this.overlay_marks.cut(cut);
   }
 
   // In pixels of its own, whatever the window has.
@@ -193,14 +220,14 @@ export class Picture {
     Object.assign(this.told_size, { width, height });
     return finer;
   }
-  // With as many pixels for an angle as the canvas has, unless that were too many.
-  private toldLens(): { fov_deg: number; width: number; height: number; finer: number } {
-    const { exaggeration, aspect, camera } = this, [wide, high] = this.renderer.getDrawingBufferSize(kSize).toArray() as [number, number];
+  // With as many pixels for an angle as the canvas has.
+  private toldLens(): ToldLens {
+    const { exaggeration, aspect, camera, headset } = this;
+    if (headset.isOn && headset.lens) return toldLens({ ...headset.lens, finer: headset.lens.growth }, headset.lens.focal_px);
+    const [wide, high] = this.renderer.getDrawingBufferSize(kSize).toArray() as [number, number];
     if (exaggeration === 1) return { fov_deg: camera.fov, width: wide, height: high, finer: 1 };
     const key = `${aspect} ${exaggeration}`, { lens } = this.asked_lens.key === key ? this.asked_lens : (this.asked_lens = { key, lens: askedLens(kLens.fov_rad, aspect, exaggeration) });
-    const focal_px = high / (2 * Math.tan(kLens.fov_rad / 2)), { tan_x, tan_y } = lens, share = Math.min(1, kLargestSide / (2 * focal_px * Math.max(tan_x, tan_y)));
-    const [width, height] = [tan_x, tan_y].map((tan) => Math.floor(2 * focal_px * share * tan)) as [number, number];
-    return { fov_deg: (360 * Math.atan(tan_y)) / Math.PI, width, height, finer: lens.finer / share };
+    return toldLens(lens, high / (2 * Math.tan(kLens.fov_rad / 2)));
   }
 
   // Draws nothing before there is a scene.
@@ -219,15 +246,23 @@ export class Picture {
     this.setMatrices();
     this.sky.update(camera);
     this.air?.place(camera.position);
+    this.placeSea();
     const pivot = ground!.uniforms.u_pivot!.value as THREE.Vector2;
     this.viewshed_drape.place(pivot);
     this.overlay_drape.place(pivot);
     this.cut_view.place(pivot, camera.position);
     this.name_texts.place(camera, this.canvas.clientHeight);
-    const draw = () => this.flight_marks.draw(this.renderer, this.scene, camera);
+    const seen = this.headset.isOn ? Object.assign(this.headset.camera, { near: camera.near, far: camera.far }) : camera;
+    const draw = () => this.flight_marks.draw(this.renderer, this.scene, seen);
     if (this.deep) this.deep.draw(draw);
     else draw();
     ++this.frames;
+  }
+
+  private placeSea(): void {
+    const { camera, deep, ground, sea, tau_px } = this, at = sea.exists ? ground!.terrain.toGeodetic(camera.position.toArray()) : null;
+    sea.place(camera, at && 'lat' in at ? at : null, kTolerances * tau_px * ground!.uniforms.u_pixel_rad!.value, deep?.isReversed ?? false);
+    if (sea.exists) ground!.uniforms.u_has_sea!.value = sea.object.visible ? 1 : 2;
   }
 
   // The camera's own axes are those of the taller scene, its eye is where the true one is.
@@ -261,14 +296,21 @@ export class Picture {
     const { left, top, width, height } = this.canvas.getBoundingClientRect(), tall = Math.tan(kLens.fov_rad / 2);
     return new THREE.Vector3(((2 * (x - left)) / width - 1) * tall * this.camera.aspect, (1 - (2 * (y - top)) / height) * tall, -1).normalize();
   }
-  // Of a globe: the ground that is drawn at a point of the window; null beside it.
+  // Of a globe: the ground or the sea that is drawn at a point of the window; null beside it.
   drawnAt(x: number, y: number): THREE.Vector3 | null {
     const { deep, ground, camera, canvas } = this;
     if (!deep || !ground || this.shownVersion === 0) return null;
     const { left, top, width, height } = canvas.getBoundingClientRect();
     const pixel = [((x - left) / width) * canvas.width - 0.5, ((y - top) / height) * canvas.height - 0.5] as const;
-    const distance_m = deep.distanceAt(ground, camera, ...pixel, kTerrainVertex, ground.uniforms);
-    return distance_m === null ? null : this.pointerAt(x, y).applyQuaternion(camera.quaternion).multiplyScalar(distance_m).add(camera.position);
+    const direction = this.pointerAt(x, y).applyQuaternion(camera.quaternion);
+    const distances_m = [deep.distanceAt(ground, camera, ...pixel, kTerrainVertex, ground.uniforms), this.sea.distanceAlong(direction)].filter((distance_m) => distance_m !== null);
+    return distances_m.length === 0 ? null : direction.multiplyScalar(Math.min(...distances_m)).add(camera.position);
+  }
+
+  // Of other scenes: what is met there of the ground that is held, and of a cut's wall; null beyond both.
+  heldAt(x: number, y: number): Met | null {
+    const terrain = this.ground?.terrain;
+    return terrain?.hasScene ? metNow(terrain, this.cut_view.shown, wayAlong(terrain, this.eye, this.directionAt(x, y))) : null;
   }
 
   // Where a point of the scene is in the window, and how deep; null behind the eye.
@@ -285,7 +327,7 @@ export class Picture {
   pixelAtGround_m(): number | null {
     const { left, top, width, height } = this.canvas.getBoundingClientRect();
     const [x, y] = [left + width / 2, top + height / 2] as const;
-    const point = this.deep ? this.drawnAt(x, y)?.toArray() : this.ground?.terrain.raycast(this.eye, this.directionAt(x, y));
+    const point = this.deep ? this.drawnAt(x, y)?.toArray() : this.heldAt(x, y)?.point;
     if (!point) return null;
     return (2 * Math.tan(kLens.fov_rad / 2) * (this.pointOnScreen(point)?.[2] ?? 0)) / height || null;
   }
@@ -324,6 +366,19 @@ export class Picture {
 }
 
 const kSize = new THREE.Vector2();
+
+interface ToldLens {
+  fov_deg: number;
+  width: number;
+  height: number;
+  finer: number; // how much smaller the tolerance has to be
+}
+// With so many pixels per unit of tangent, unless that were too many.
+function toldLens({ tan_x, tan_y, finer }: AskedLens, focal_px: number): ToldLens {
+  const share = Math.min(1, kLargestSide / (2 * focal_px * Math.max(tan_x, tan_y)));
+  const [width, height] = [tan_x, tan_y].map((tan) => Math.floor(2 * focal_px * share * tan)) as [number, number];
+  return { fov_deg: (360 * Math.atan(tan_y)) / Math.PI, width, height, finer: finer / share };
+}
 
 function differencesOf(one: Uint8Array, other: Uint8Array): { differing: number; visible: number } {
   let [differing, visible] = [0, 0];

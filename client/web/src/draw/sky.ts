@@ -23,6 +23,9 @@ export class Sky {
     this.object = new THREE.Mesh(geometry, material);
     this.object.frustumCulled = false;
     this.object.renderOrder = -1;
+    this.object.onBeforeRender = ({ xr }, _, { matrixWorld, projectionMatrixInverse }) => {
+      if (xr.isPresenting) this.directions.extractRotation(matrixWorld).multiply(projectionMatrixInverse); // each eye's
+    };
   }
 
   // Through the air of a globe, once there is some.

@@ -1,6 +1,7 @@
 // What is measured: a point, a line or what a line encloses, of the exact ground that the server has.
 import type { BothHeights, MapPoint, Terrain, Vector } from '@foreland/client';
 import { gridAround, groundInside } from './area';
+import { changeInside, type Change, type Dates } from './change';
 import { earthOf } from './earth';
 import { placesAlong, profileOf, slopeOf, type Profile } from './profile';
 
@@ -11,6 +12,7 @@ export interface Measurement {
   profile: Profile | null; // of a line
   straight_m: number; // from the first corner to the last one
   area: { plane_m2: number; slope_m2: number; above_m3: number; below_m3: number } | null; // of three corners and more
+  change: Change | null; // likewise, where dates are compared
 }
 
 // Where the data's samples are apart.
@@ -20,15 +22,16 @@ export function spacingOf(terrain: Terrain): number {
   return Math.hypot(high[0] - low[0], high[1] - low[1]) / Math.hypot(...samples);
 }
 
-export async function measure(terrain: Terrain, corners: readonly MapPoint[]): Promise<Measurement> {
+export async function measure(terrain: Terrain, corners: readonly MapPoint[], dates: Dates | null = null): Promise<Measurement> {
   const heights = await terrain.bothHeights(corners);
   const is_line = corners.length > 1;
-  const [slope, profile, area] = await Promise.all([
+  const [slope, profile, area, change] = await Promise.all([
     is_line ? null : measureSlope(terrain, corners[0]!),
     is_line ? measureProfile(terrain, corners) : null,
     corners.length > 2 ? measureArea(terrain, corners, heights.map((h) => h.height)) : null,
+    corners.length > 2 && dates ? changeInside(terrain, corners, spacingOf(terrain), dates) : null,
   ]);
-  return { corners: [...corners], heights, slope, profile, straight_m: straightOf(terrain, corners, heights), area };
+  return { corners: [...corners], heights, slope, profile, straight_m: straightOf(terrain, corners, heights), area, change };
 }
 
 async function measureSlope(terrain: Terrain, at: MapPoint): Promise<Measurement['slope']> {

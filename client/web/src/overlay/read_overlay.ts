@@ -48,11 +48,11 @@ class Reader {
     return new Error(`${this.name} ${what}.`);
   }
 
-  // GeoJSON is in longitude and latitude; older files name another system.
+  // GeoJSON is in longitude and latitude; older files name another system, and the page's own the scene's, as that is told.
   private readCrs(json: Json): void {
     const { is_geographic, crs } = this.map;
-    const named = isObject(json.crs) && isObject(json.crs.properties) ? String(json.crs.properties.name).slice(0, 100) : '';
-    if (named === kSceneMap) {
+    const name = isObject(json.crs) && isObject(json.crs.properties) ? String(json.crs.properties.name) : '', named = name.slice(0, 100);
+    if (named === kSceneMap || (!is_geographic && name === crs)) {
       if (is_geographic) throw this.wrong('has eastings and northings, and this scene is in longitude and latitude: bring it there first');
       this.is_lonlat = false;
       return;

@@ -10,6 +10,13 @@ export interface Look {
 
 export const kMapNorth = new THREE.Vector3(0, 1, 0), kAxis = new THREE.Vector3(0, 0, 1);
 
+const kHighest_rad = 1.54; // that is looked up
+
+// Straight down at most, and not quite straight up.
+export function turned({ heading, pitch }: Look, right_rad: number, up_rad: number): Look {
+  return { heading: heading + right_rad, pitch: Math.min(Math.max(pitch + up_rad, -Math.PI / 2), kHighest_rad) };
+}
+
 // East, north and up at the eye, as columns. On a pole, where all ways lead from it, as on the meridian of longitude 0.
 export function basisAt(up: THREE.Vector3, pole: THREE.Vector3): [THREE.Vector3, THREE.Vector3, THREE.Vector3] {
   const north = pole.clone().addScaledVector(up, -up.dot(pole));

@@ -1,12 +1,13 @@
 // Flying by hand. Mouse: drag looks, wheel sets the speed. Keys: W A S D or arrows move, E and Q rise and sink, Shift is faster.
 // Over a globe pointers do what GlobeHands says, and speed follows the height.
-// Touch: one finger looks; two fingers carry the viewer along, pinching moves ahead, twisting turns. A gamepad does all of that. Motion ends at the ground; nothing else moves the eye.
+// Touch: one finger looks, two do what MapHands says, three carry the viewer along. A gamepad flies and looks. Motion ends at the ground; nothing else moves the eye.
 import * as THREE from 'three';
 import { basisAt, forwardOf, kAxis, kMapNorth, orientationOf, type Look } from './camera';
 import type { Pose, Scene } from '@foreland/client';
-import { padState } from './gamepad';
+import { headsetPad, padState } from './gamepad';
 import type { GlobeHands } from './globe_hands';
 import { fly, type Body } from './globe_moves';
+import type { MapHands } from './map_hands';
 import { isForPage, isOnButton } from './stage';
 
 const kKeys: Record<string, [axis: 0 | 1 | 2, sign: number]> = {
@@ -33,16 +34,18 @@ export class Controls {
   clearance_m = kClearance_m;
   onTakeOver: () => void = () => {}; // the user steers
   onSpeed: () => void = () => {}; // the user has chosen another speed, by the wheel
+  heldInHands: () => Iterable<XRInputSource> = () => []; // of a headset
 
   private globe: { hands: GlobeHands; body: Body } | null = null;
+  private map_hands: MapHands | null = null;
   private readonly settled = new THREE.Vector3(); // where the last frame left the eye
   private readonly velocity = new THREE.Vector3(); // right, ahead, up
   private pad: ReturnType<typeof padState> = null;
   private stepped_m = 0; // in the last frame
   private readonly held = new Set<string>();
   private readonly fingers = new Map<number, [number, number]>();
-  private carry = new THREE.Vector3(); // metres to move, from two fingers: right, ahead, along the view
-  ground_distance_m = 100; // by which two fingers' way is scaled
+  private carry = new THREE.Vector2(); // metres to move, from three fingers: right, ahead
+  ground_distance_m = 100; // by which their way is scaled
   private low = new THREE.Vector3(-1e7, -1e7, -1e7);
   private high = new THREE.Vector3(1e7, 1e7, 1e7);
 
@@ -85,6 +88,10 @@ export class Controls {
   takeGlobe(hands: GlobeHands, body: Body): void {
     this.globe = { hands, body };
   }
+  // From now on it flies over a map.
+  takeMap(hands: MapHands): void {
+    this.map_hands = hands;
+  }
   // To another place, at once.
   jumpTo(eye: readonly number[], look: Look): void {
     this.globe?.hands.rest();
@@ -100,9 +107,14 @@ export class Controls {
     return { eye: this.eye.toArray(), orientation: orientationOf(this.look, up, this.pole) };
   }
 
+  // The same, looking neither up nor down.
+  level(up: THREE.Vector3): Pose {
+    return { eye: this.eye.toArray(), orientation: orientationOf({ ...this.look, pitch: 0 }, up, this.pole) };
+  }
+
   // Moves the camera for `seconds`. `sweep` limits a motion by the ground (Terrain.sweep).
   step(seconds: number, up: THREE.Vector3, sweep: (from: number[], to: number[]) => [number, number, number]): void {
-    const from = (this.globe ? this.settled : this.eye).toArray();
+    const from = this.settled.toArray();
     if (this.globe) this.speed_mps = Math.min(Math.max(kHeights_ps * this.ground_distance_m, kSlowest_mps), kFastest_mps);
     const wanted = new THREE.Vector3();
     for (const code of this.held) {
@@ -120,6 +132,7 @@ export class Controls {
     this.move(this.velocity.x * seconds * share, this.velocity.y * seconds * share, this.velocity.z * seconds * share, up);
     this.carryOn(up);
     this.globe?.hands.step(seconds);
+    this.eye.clamp(this.low, this.high);
     this.eye.fromArray(sweep(from, this.eye.toArray()));
     this.settled.copy(this.eye);
     this.stepped_m = Math.hypot(...from.map((v, i) => this.eye.getComponent(i) - v));
@@ -127,7 +140,7 @@ export class Controls {
 
   // With each frame, before step(). A gamepad takes the camera where it is used.
   readPad(seconds: number): void {
-    const pad = padState(navigator.getGamepads?.() ?? []);
+    const pad = headsetPad(this.heldInHands()) ?? padState(navigator.getGamepads?.() ?? []);
     if (pad && !this.pad) this.onTakeOver();
     if (pad) this.turnBy(pad.look[0] * kPadTurn_radps * seconds, pad.look[1] * kPadTurn_radps * seconds);
     this.pad = pad;
@@ -142,8 +155,7 @@ export class Controls {
       .addScaledVector(east, Math.cos(heading) * right_m)
       .addScaledVector(north, -Math.sin(heading) * right_m)
       .addScaledVector(forwardOf(this.look, up, this.pole), ahead_m)
-      .addScaledVector(up, up_m)
-      .clamp(this.low, this.high);
+      .addScaledVector(up, up_m);
   }
 
   private setView({ eye, look }: { eye: THREE.Vector3; look: Look }): void {
@@ -154,11 +166,10 @@ export class Controls {
   private carryOn(up: THREE.Vector3): void {
     if (this.carry.lengthSq() === 0) return;
     const pitch = this.look.pitch;
-    this.look.pitch = 0; // two fingers move over the ground, level
+    this.look.pitch = 0; // over the ground, level
     this.move(this.carry.x, this.carry.y, 0, up);
     this.look.pitch = pitch;
-    this.move(0, this.carry.z, 0, up);
-    this.carry.set(0, 0, 0);
+    this.carry.set(0, 0);
   }
 
   private press(event: PointerEvent): void {
@@ -167,6 +178,11 @@ export class Controls {
     this.fingers.set(event.pointerId, [event.clientX, event.clientY]);
     this.onTakeOver();
     if (this.globe) this.pressGlobe(this.globe.hands, event);
+    else this.beginPinch();
+  }
+  private beginPinch(): void {
+    const [one, other] = [...this.fingers.values()];
+    if (this.fingers.size === 2) (this.globe?.hands ?? this.map_hands)?.pinchFrom(one!, other!);
   }
 
   private drag(event: PointerEvent): void {
@@ -175,16 +191,19 @@ export class Controls {
     const now: [number, number] = [event.clientX, event.clientY];
     const [dx, dy] = [now[0] - before[0], now[1] - before[1]];
     if (this.globe) return this.dragGlobe(this.globe.hands, event.pointerId, now);
-    if (this.fingers.size === 2) this.dragTwo(event.pointerId, before, now);
-    if (this.fingers.size === 1) this.turn(dx, dy);
     this.fingers.set(event.pointerId, now);
+    const [one, other] = [...this.fingers.values()];
+    if (this.fingers.size === 1) this.turn(dx, dy);
+    if (this.fingers.size === 2) this.map_hands?.pinchTo(one!, other!);
+    if (this.fingers.size === 3) this.carryBy(dx, dy);
   }
 
   // Of two fingers that pinched, the other one drags.
   private release(event: PointerEvent): void {
     if (!this.fingers.delete(event.pointerId)) return;
     const [rest] = [...this.fingers.values()];
-    if (this.globe && rest) this.globe.hands.press(...rest, false);
+    if (this.fingers.size === 2) this.beginPinch();
+    else if (this.globe && rest) this.globe.hands.press(...rest, false);
   }
   private pressGlobe(hands: GlobeHands, event: PointerEvent): void {
     const [one, other] = [...this.fingers.values()];
@@ -207,16 +226,11 @@ export class Controls {
     this.look.pitch = Math.min(Math.max(this.look.pitch + up_rad, -kSteepest_rad), kSteepest_rad);
   }
 
-  private dragTwo(id: number, before: [number, number], now: [number, number]): void {
-    const other = [...this.fingers.entries()].find(([key]) => key !== id)?.[1];
-    if (!other) return;
-    const metres = (1.6 * this.ground_distance_m) / this.canvas.clientHeight;
-    const apart = (p: [number, number]) => Math.hypot(p[0] - other[0], p[1] - other[1]);
-    this.carry.x -= 0.5 * (now[0] - before[0]) * metres;
-    this.carry.y += 0.5 * (now[1] - before[1]) * metres;
-    this.carry.z += 2 * (apart(now) - apart(before)) * metres;
-    const towards = (p: [number, number]) => Math.atan2(p[1] - other[1], p[0] - other[0]), twist = towards(now) - towards(before);
-    this.turnBy(-Math.atan2(Math.sin(twist), Math.cos(twist)), 0);
+  // By one of three fingers.
+  private carryBy(dx: number, dy: number): void {
+    const metres = (1.6 * this.ground_distance_m) / this.canvas.clientHeight / 3;
+    this.carry.x -= dx * metres;
+    this.carry.y += dy * metres;
   }
 
   private turnWheel(event: WheelEvent): void {

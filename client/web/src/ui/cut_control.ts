@@ -36,7 +36,7 @@ export class CutControl {
 
   // In a picture that took another one's place.
   show(): void {
-    this.stage.picture().cut_view.show(this.cut);
+    this.stage.picture().showCut(this.cut);
   }
 
   // Along a line, of whose two sides the farther one is kept, or around what is inside of three corners and more.

@@ -1,15 +1,16 @@
-// What a pixel shows, exactly: of the server, on the ground at full resolution and objects. Over a globe what is drawn there, for a line of sight
-// from space is longer than any that a server looks along.
+// What a pixel shows, exactly: of the server, on the ground at full resolution and objects, or on the wall of a cut, which what is cut away does
+// not hide. Over a globe with a sea that is drawn, its surface; where a globe's server answers no questions of sight, what is drawn.
 import type { Terrain, Vector } from '@foreland/client';
+import { Vector3 } from 'three';
+import { metExactly, wayAlong } from '../cut/rays';
 import type { Picture } from '../draw/picture';
 
 // What the straight line through a point of the window meets first; null beyond the ground.
 export async function pickExactly(terrain: Terrain, picture: Picture, x: number, y: number, scene_time_ms: number): Promise<Vector | null> {
-  const { bounds: { low, high }, frame } = terrain.scene;
-  if (frame === 'globe') return picture.drawnAt(x, y)?.toArray() ?? null;
-  const far_m = 2 * Math.hypot(high[0] - low[0], high[1] - low[1]);
-  const way = picture.directionAt(x, y);
-  const there = picture.eye.map((v, i) => v + far_m * way[i]!) as Vector;
-  const ends = [terrain.place(picture.eye)!, terrain.place(there)!] as const;
-  return (await terrain.visible([ends], { refraction: frame === 'planar' ? 1 : 0, sceneTime: scene_time_ms }))[0]!.hit;
+  const is_globe = terrain.scene.frame === 'globe', { eye } = picture, direction = picture.directionAt(x, y), drawn = is_globe ? picture.drawnAt(x, y) : null;
+  const sea_m = is_globe ? picture.sea.distanceAlong(new Vector3(...direction)) : null;
+  const [met] = await metExactly(terrain, picture.cut_view.shown, [wayAlong(terrain, eye, direction)], scene_time_ms)
+    .catch((error: unknown) => { if (is_globe) return [drawn && { point: drawn.toArray() }]; throw error; });
+  if (sea_m === null || (met && Math.hypot(...met.point.map((v, i) => v - eye[i]!)) < sea_m)) return met?.point ?? null;
+  return eye.map((v, i) => v + sea_m * direction[i]!) as Vector;
 }

@@ -1,8 +1,9 @@
 // What pointers do over a globe, as people know it: the ground is grabbed and dragged, the wheel and two fingers near what they point at, the
 // other button, or Control or Shift with the first one, tilts about it. Beside the globe the view is turned. Two fingers twist and tilt, too.
 import * as THREE from 'three';
-import type { Look } from './camera';
+import { turned, type Look } from './camera';
 import { hold, near, rise, tilt, type Body, type View } from './globe_moves';
+import { motionOf, pinchOf, type Finger, type Pinch } from './pinch';
 
 // What is seen where.
 export interface Seen {
@@ -13,7 +14,7 @@ export interface Seen {
 
 const kWheel = 0.0016; // of the logarithm of the distance
 const kNearing_s = 0.09; // in which most of what the wheel asks is done
-const kTilt_rad = 3; // over the window's height
+export const kTilt_rad = 3; // over the window's height
 const kLook_rad = 1.6;
 const kFarthest = 7; // heights, of the body's radius
 const kRest_m = 4; // from which nothing is neared
@@ -24,7 +25,7 @@ export class GlobeHands {
   private does: 'drag' | 'tilt' | 'look' = 'look';
   private at: [number, number] = [0, 0];
   private nearing = 0; // the logarithm that the wheel still asks for
-  private pinch: { apart: number; angle: number; middle: [number, number] } | null = null;
+  private pinch: Pinch | null = null;
 
   constructor(private readonly view: { eye: THREE.Vector3; look: Look }, private readonly body: Body, private readonly seen: Seen, private readonly radius_m: number) {}
 
@@ -43,17 +44,17 @@ export class GlobeHands {
   }
 
   // Two fingers.
-  pinchFrom(a: readonly [number, number], b: readonly [number, number]): void {
+  pinchFrom(a: Finger, b: Finger): void {
     this.pinch = pinchOf(a, b);
     this.nearing = 0;
     this.point = this.seen.ground(...this.pinch.middle);
   }
-  pinchTo(a: readonly [number, number], b: readonly [number, number]): void {
-    const before = this.pinch!, now = (this.pinch = pinchOf(a, b)), { point } = this;
-    if (!point) return this.turn(((before.middle[0] - now.middle[0]) * kLook_rad) / this.seen.size().height, 0);
-    const twist = Math.atan2(Math.sin(now.angle - before.angle), Math.cos(now.angle - before.angle));
-    this.set(tilt(this.view, this.body, point, twist, ((now.middle[1] - before.middle[1]) * kTilt_rad) / this.seen.size().height));
-    this.nearBy(before.apart / Math.max(now.apart, 1), this.seen.pointer(now.middle[0], now.middle[1]));
+  pinchTo(a: Finger, b: Finger): void {
+    const now = pinchOf(a, b), { factor, twist, right_px, down_px } = motionOf(this.pinch!, now), { point } = this, { height } = this.seen.size();
+    this.pinch = now;
+    if (!point) return this.turn((-right_px * kLook_rad) / height, 0);
+    this.set(tilt(this.view, this.body, point, twist, (down_px * kTilt_rad) / height));
+    this.nearBy(factor, this.seen.pointer(...now.middle));
   }
 
   // What is pointed at stays the same while the pointer does.
@@ -89,15 +90,10 @@ export class GlobeHands {
     view.look = { heading: heading * (1 - by), pitch: view.look.pitch + (-Math.PI / 2 - view.look.pitch) * by };
   }
   private turn(right_rad: number, up_rad: number): void {
-    const { look } = this.view;
-    this.view.look = { heading: look.heading + right_rad, pitch: Math.min(Math.max(look.pitch + up_rad, -Math.PI / 2), 1.54) };
+    this.view.look = turned(this.view.look, right_rad, up_rad);
   }
   private set({ eye, look }: View): void {
     this.view.eye.copy(eye);
     this.view.look = look;
   }
-}
-
-function pinchOf(a: readonly [number, number], b: readonly [number, number]): { apart: number; angle: number; middle: [number, number] } {
-  return { apart: Math.hypot(b[0] - a[0], b[1] - a[1]), angle: Math.atan2(b[1] - a[1], b[0] - a[0]), middle: [(a[0] + b[0]) / 2, (a[1] + b[1]) / 2] };
 }

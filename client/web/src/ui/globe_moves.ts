@@ -16,7 +16,7 @@ export interface View {
 const kRepeats = 4; // of what is exact but for the leaning that is taken away
 const kSteepest_rad = 0.03; // above the horizon of the point that is tilted about
 
-const turnIn = ({ eye, look }: View, body: Body) => turnOf(look, body.up(eye), kAxis);
+const turnIn = ({ eye, look }: View, body: Body, pole = kAxis) => turnOf(look, body.up(eye), pole);
 
 function atHeight(body: Body, point: THREE.Vector3, height_m: number): THREE.Vector3 {
   return point.clone().addScaledVector(body.up(point), height_m - body.height(point));
@@ -58,16 +58,16 @@ export function rise(view: View, body: Body, height_m: number): View {
   return { eye: atHeight(body, view.eye, height_m), look: view.look };
 }
 
-// Walks around a point, and over it.
-export function tilt(view: View, body: Body, point: THREE.Vector3, around_rad: number, over_rad: number): View {
-  const up = body.up(point), arm = view.eye.clone().sub(point), before = turnIn(view, body);
+// Walks around a point, and over it; on maps, too, which have another pole.
+export function tilt(view: View, body: Body, point: THREE.Vector3, around_rad: number, over_rad: number, pole = kAxis): View {
+  const up = body.up(point), arm = view.eye.clone().sub(point), before = turnIn(view, body, pole);
   const around = new THREE.Quaternion().setFromAxisAngle(up, around_rad);
   const right = new THREE.Vector3(1, 0, 0).applyQuaternion(before).applyQuaternion(around);
   const elevation_rad = Math.asin(Math.min(arm.clone().normalize().dot(up), 1));
   const over = Math.max(Math.min(over_rad, Math.max(Math.PI / 2 - elevation_rad, 0)), Math.min(kSteepest_rad - elevation_rad, 0));
   const all = new THREE.Quaternion().setFromAxisAngle(right, -over).multiply(around);
   const eye = point.clone().add(arm.applyQuaternion(all));
-  return { eye, look: levelLook(before.premultiply(all), body.up(eye), kAxis) };
+  return { eye, look: levelLook(before.premultiply(all), body.up(eye), pole) };
 }
 
 // To the right, along the view and straight up. What is level of that keeps its height, and the way ahead stays straight, over a pole, too.

@@ -1,5 +1,9 @@
 // Names of an overlay's points, written over the ground: those that are in sight, by the server's exact lines of sight, as many as fit.
 import type { Terrain, Vector } from '@foreland/client';
+import { metExactly } from '../cut/rays';
+import type { At } from '../cut/ring';
+import { isKept } from '../cut/spans';
+import type { Cut } from '../draw/cut_view';
 import type { Mark } from '../draw/overlay_marks';
 import type { NameText } from '../draw/name_texts';
 import { importanceOf, writable } from '../overlay/names';
@@ -14,6 +18,7 @@ const kAbove_m = 3; // the ground, so that it does not hide its own point
 interface Name extends NameText {
   importance: number;
   above: Vector; // what has to be seen
+  lattice: At;
   is_seen: boolean;
 }
 
@@ -23,6 +28,7 @@ export class LabelControl {
   private is_on = true;
   private asked_ms = -Infinity;
   private asked_at = ''; // where the eye was, and for whom
+  private asked_cut: Cut | null = null;
   private is_asking = false;
   private shown: ReadonlySet<number> = new Set();
   private asked = 0; // questions of sight
@@ -44,9 +50,9 @@ export class LabelControl {
     const named = marks.map((mark) => ({ mark, text: writable(mark.feature.name) })).filter(({ text }) => text !== '');
     const ranked = named.map((each) => ({ ...each, importance: importanceOf(each.mark.feature) })).sort((a, b) => a.importance - b.importance).slice(0, kMostNames);
     this.clear();
-    this.names = ranked.map(({ mark: { point, feature }, text, importance }) => {
+    this.names = ranked.map(({ mark: { point, lattice, feature }, text, importance }) => {
       const place = terrain.toGeodetic(point), above = terrain.toScene({ ...place, height: place.height + kAbove_m });
-      return { id: ++this.given, text, point, lift_px: feature.style.marker_px, importance, above, is_seen: false };
+      return { id: ++this.given, text, point, lift_px: feature.style.marker_px, importance, above, lattice, is_seen: false };
     });
   }
 
@@ -68,10 +74,11 @@ export class LabelControl {
   }
 
   private inView(): { candidates: LabelCandidate[]; seen_by: Name[] } {
-    const picture = this.stage.picture(), { name_texts } = picture, candidates: LabelCandidate[] = [], seen_by: Name[] = [];
+    const picture = this.stage.picture(), { name_texts, cut_view: { shown: cut } } = picture, candidates: LabelCandidate[] = [], seen_by: Name[] = [];
     for (const name of this.names) {
       const at = picture.pointOnScreen(name.point);
       if (!at || at[0] < 0 || at[1] < 0 || at[0] > window.innerWidth || at[1] > window.innerHeight + name.lift_px) continue;
+      if (cut && !isKept(cut, name.lattice)) continue;
       seen_by.push(name);
       const size = name_texts.sizeOf(name);
       if (size) candidates.push({ id: name.id, box: name_texts.boxOf(name, size, at), importance: name.importance, depth: at[2], is_seen: name.is_seen });
@@ -80,15 +87,14 @@ export class LabelControl {
     return { candidates, seen_by };
   }
 
-  // Again as soon as the eye or what is in view has changed.
+  // Again as soon as the eye, what is in view or the cut has changed. What is cut away hides nothing, and the cut's wall does.
   private askSight(terrain: Terrain, now_ms: number, names: readonly Name[]): void {
-    const { eye } = this.stage.picture(), at = `${eye.map((v) => v.toFixed(2)).join()} ${names.map(({ id }) => id).join()}`;
-    if (this.is_asking || names.length === 0 || at === this.asked_at || now_ms - this.asked_ms < kAskEvery_ms || !terrain.isConnected) return;
-    [this.is_asking, this.asked_ms, this.asked_at] = [true, now_ms, at];
+    const { eye, cut_view: { shown: cut } } = this.stage.picture(), at = `${eye.map((v) => v.toFixed(2)).join()} ${names.map(({ id }) => id).join()}`;
+    if (this.is_asking || names.length === 0 || (at === this.asked_at && cut === this.asked_cut) || now_ms - this.asked_ms < kAskEvery_ms || !terrain.isConnected) return;
+    [this.is_asking, this.asked_ms, this.asked_at, this.asked_cut] = [true, now_ms, at, cut];
     ++this.asked;
-    const from = terrain.toGeodetic(eye), refraction = terrain.scene.frame === 'planar' ? 1 : 0; // as the picture is drawn
-    terrain.visible(names.map((name) => [from, terrain.toGeodetic(name.above)] as const), { refraction })
-      .then((sights) => sights.forEach(({ isSeen }, i) => (names[i]!.is_seen = isSeen)), () => (this.asked_at = '')) // asked again with the next frame
+    metExactly(terrain, cut, names.map(({ above }) => ({ from: eye, to: above })))
+      .then((met) => met.forEach((each, i) => (names[i]!.is_seen = each === null)), () => (this.asked_at = '')) // asked again with the next frame
       .finally(() => (this.is_asking = false));
   }
 }

@@ -43,6 +43,7 @@ const kTable: Record<string, readonly [de: string, fr: string, es: string]> = {
   'Cast shadows': ['Schatten', 'Ombres', 'Sombras'],
   'Contours': ['H\u00f6henlinien', 'Courbes', 'Curvas'],
   'Haze': ['Dunst', 'Brume', 'Bruma'],
+  'Sea': ['Meer', 'Mer', 'Mar'],
   'Names': ['Namen', 'Noms', 'Nombres'],
   'Map': ['Karte', 'Carte', 'Mapa'],
   'Lay on the ground': ['Auf den Boden', 'Poser au sol', 'Poner al suelo'],
@@ -72,14 +73,14 @@ const kTable: Record<string, readonly [de: string, fr: string, es: string]> = {
   'W A S D or the arrows fly, E and Q rise and sink': ['W A S D oder Pfeile: fliegen, E und Q: steigen und sinken', 'Z Q S D (touches W A S D) ou fl\u00e8ches : voler, E et A : monter et descendre', 'W A S D o flechas: volar, E y Q: subir y bajar'],
   'The wheel sets the speed, shift-click and V show what is seen': ['Rad: Tempo, Umschalt-Klick und V: was man sieht', 'Molette : vitesse, Maj-clic et V : ce qui se voit', 'Rueda: velocidad, May\u00fas-clic y V: lo que se ve'],
   'One finger looks around': ['Ein Finger: umsehen', 'Un doigt : regarder autour', 'Un dedo: mirar alrededor'],
-  'Two fingers carry you over the ground': ['Zwei Finger: \u00fcber den Boden gleiten', 'Deux doigts : glisser au-dessus du sol', 'Dos dedos: deslizarse sobre el suelo'],
+  'Pinch to near the ground, twist to turn': ['Spreizen: dem Boden n\u00e4hern, drehen: wenden', '\u00c9carter : approcher du sol, tourner : pivoter', 'Separar: acercarse al suelo, girar: rotar'],
   'Latitude, longitude': ['Breite, L\u00e4nge', 'Latitude, longitude', 'Latitud, longitud'],
   'Drag the ground, the wheel nears what you point at': ['Boden ziehen, das Rad n\u00e4hert sich dem Gezeigten', 'Tirez le sol, la molette approche ce que vous pointez', 'Arrastra el suelo, la rueda acerca lo que se\u00f1alas'],
   'The right button tilts, beside the ground you look around': ['Rechte Taste: neigen, neben dem Boden: umsehen', 'Bouton droit : incliner, hors du sol : regarder autour', 'Bot\u00f3n derecho: inclinar, fuera del suelo: mirar'],
   'One finger drags the ground': ['Ein Finger zieht den Boden', 'Un doigt tire le sol', 'Un dedo arrastra el suelo'],
   'Pinch to near it, twist to turn': ['Spreizen: n\u00e4hern, drehen: wenden', '\u00c9carter : approcher, tourner : pivoter', 'Separar: acercar, girar: rotar'],
   'Two fingers up or down tilt': ['Zwei Finger auf und ab: neigen', 'Deux doigts de haut en bas : incliner', 'Dos dedos arriba o abajo: inclinar'],
-  'Pinch to fly ahead': ['Spreizen: voraus fliegen', '\u00c9carter : avancer', 'Separar: avanzar'],
+  'Two fingers up or down tilt, three carry you': ['Zwei Finger auf und ab: neigen, drei: gleiten', 'Deux doigts de haut en bas : incliner, trois : glisser', 'Dos dedos arriba o abajo: inclinar, tres: deslizarse'],
 };
 
 // `lang=` of the address, else the first of the reader's languages that there is.

@@ -1,13 +1,16 @@
 // The card of measurements: numbers in words, the profile, and what can be done with them.
 import type { Scene } from '@foreland/client';
+import type { Dates } from '../measure/change';
 import type { Measurement } from '../measure/measurement';
 import { areaText, heightText, lengthText, volumeText, type Units } from '../measure/units';
 import { said } from './language';
 import { ProfilePlot } from './profile_plot';
 import { isRemembered, remember } from './remembered';
+import { dateText } from './scene_time';
 
 export interface MeasureCardActions {
   point(index: number | null): void; // a place of the profile
+  compare(): void; // with another date
   save(kind: 'csv' | 'geojson'): void;
   cut(): void; // along it
   clear(): void;
@@ -17,6 +20,7 @@ export interface MeasureCardActions {
 export class MeasureCard {
   private readonly rows = document.createElement('dl');
   private readonly how = Object.assign(document.createElement('p'), { className: 'help' });
+  private readonly since = Object.assign(document.createElement('select'), { name: 'measure_since', ariaLabel: 'Compare with the ground of', hidden: true }); // dates of a scene that changes
   private readonly plot: ProfilePlot;
   private readonly buttons: Record<'csv' | 'geojson' | 'cut' | 'clear', HTMLButtonElement>;
   private readonly unit_button: HTMLButtonElement;
@@ -38,11 +42,19 @@ export class MeasureCard {
     close.ariaLabel = 'End measuring';
     header.append(Object.assign(document.createElement('strong'), { textContent: said('Measure') }), this.unit_button, close);
     footer.append(...Object.values(this.buttons));
-    root.append(header, this.how, this.rows, this.plot.element, footer);
+    this.since.onchange = () => actions.compare();
+    root.append(header, this.how, this.rows, this.since, this.plot.element, footer);
   }
 
   set isShown(is_shown: boolean) {
     this.root.hidden = !is_shown;
+  }
+
+  // Between which an area's change is measured: from the one that is chosen, first the first, to what is shown. Null: the scene does not change.
+  datesOf({ epochs }: Scene, shown_ms: number): Dates | null {
+    if (epochs.length < 2) return null;
+    if (this.since.length !== epochs.length) this.since.replaceChildren(...epochs.map((ms) => new Option(`Since ${dateText(ms)}`, String(ms))));
+    return { since_ms: Number(this.since.value), until_ms: shown_ms };
   }
 
   show(measurement: Measurement | null, scene: Scene, is_coming: boolean): void {
@@ -53,6 +65,7 @@ export class MeasureCard {
       : count === 1 ? 'Click on for a line.' : count === 2 ? 'Click on for a longer line, or an area. Backspace takes a corner back.' : 'Backspace takes a corner back.';
     this.rows.replaceChildren(...rowsOf(measurement, scene, this.units).flatMap(([name, text]) => [
       Object.assign(document.createElement('dt'), { textContent: name }), Object.assign(document.createElement('dd'), { textContent: said(text) })]));
+    this.since.hidden = !measurement?.change;
     this.plot.show(measurement?.profile ?? null, this.units);
     for (const button of Object.values(this.buttons)) button.disabled = count === 0;
     this.buttons.csv.disabled = this.buttons.cut.disabled = !measurement?.profile;
@@ -83,7 +96,7 @@ function rowsOfPoint({ corners: [at], heights: [ground], slope }: Measurement, s
   return rows;
 }
 
-function rowsOfLine({ heights, profile, straight_m, area }: Measurement, units: Units): [string, string][] {
+function rowsOfLine({ heights, profile, straight_m, area, change }: Measurement, units: Units): [string, string][] {
   const p = profile!, climb = heights[heights.length - 1]!.height - heights[0]!.height;
   const rows: [string, string][] = [
     ['Length', lengthText(p.length_m, units)], ['Along the ground', lengthText(p.surface_m, units)], ['Straight', lengthText(straight_m, units)],
@@ -91,8 +104,10 @@ function rowsOfLine({ heights, profile, straight_m, area }: Measurement, units: 
     ['Up and down', `${heightText(p.rise_m, units)}, ${heightText(p.fall_m, units)}`], ['Steepest', degreesText(p.steepest_rad)],
   ];
   if (!area) return rows;
-  return [...rows, ['Area', areaText(area.plane_m2, units)], ['On the slope', areaText(area.slope_m2, units)],
-    ['Above its plane', volumeText(area.above_m3, units)], ['Missing below', volumeText(area.below_m3, units)]];
+  rows.push(['Area', areaText(area.plane_m2, units)], ['On the slope', areaText(area.slope_m2, units)],
+    ['Above its plane', volumeText(area.above_m3, units)], ['Missing below', volumeText(area.below_m3, units)]);
+  if (change) rows.push([`Gained until ${dateText(change.until_ms)}`, volumeText(change.gained_m3, units)], ['Lost', volumeText(change.lost_m3, units)]);
+  return rows;
 }
 
 function degreesText(radians: number): string {

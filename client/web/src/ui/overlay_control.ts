@@ -1,7 +1,9 @@
 // Overlays by hand: files of features that are dropped on the page, named in its address or given by the server lie on the ground; each has
 // a row that hides it or takes it away, and a click on a feature tells what is known of it.
 import type { Terrain, Vector } from '@foreland/client';
+import { metNow } from '../cut/rays';
 import type { Mark } from '../draw/overlay_marks';
+import type { Picture } from '../draw/picture';
 import type { Feature, Overlay, Places } from '../overlay/feature';
 import { fetchOverlay, overlaysOfServer } from '../overlay/fetch_overlay';
 import { featureAt, pointedAt } from '../overlay/find_feature';
@@ -142,12 +144,12 @@ export class OverlayControl {
     const seen = this.overlays.filter(({ is_shown }) => is_shown).reverse();
     const cardOf = ({ overlay }: Shown, { name, properties }: Feature) => ({ title: name || overlay.name, properties });
     for (const shown of seen) {
-      const mark = picture.overlay_marks.markAt(shown.marks, x, y, (point) => picture.pointOnScreen(point), (point) => isSeen(terrain, picture.eye, point));
+      const mark = picture.overlay_marks.markAt(shown.marks, x, y, (point) => picture.pointOnScreen(point), (point) => isSeen(terrain, picture, point));
       if (mark) return cardOf(shown, mark.feature);
     }
     const placeAt = (at_x: number, at_y: number) => {
-      const point = terrain.raycast(picture.eye, picture.directionAt(at_x, at_y));
-      return point && terrain.place(point)?.lattice;
+      const met = picture.heldAt(at_x, at_y);
+      return met && !met.is_wall ? terrain.place(met.point)?.lattice : null;
     };
     const [at, right, below] = [placeAt(x, y), placeAt(x + kStep_px, y), placeAt(x, y + kStep_px)];
     if (!at || !right || !below) return null;
@@ -174,10 +176,9 @@ async function outsideText(terrain: Terrain, { name, features }: Overlay): Promi
 }
 
 // A mark that is drawn stands a little nearer than its place.
-function isSeen(terrain: Terrain, eye: Vector, point: Vector): boolean {
-  const way = point.map((v, i) => v - eye[i]!) as Vector, distance = Math.hypot(...way);
-  const hit = terrain.raycast(eye, way.map((v) => v / distance) as Vector);
-  return !hit || Math.hypot(...hit.map((v, i) => v - eye[i]!)) > 0.98 * distance;
+function isSeen(terrain: Terrain, { eye, cut_view }: Picture, point: Vector): boolean {
+  const to = point.map((v, i) => eye[i]! + 0.98 * (v - eye[i]!)) as Vector;
+  return metNow(terrain, cut_view.shown, { from: eye, to }) === null;
 }
 
 async function marksOf(terrain: Terrain, { features }: Overlay): Promise<Mark[]> {
@@ -187,7 +188,9 @@ async function marksOf(terrain: Terrain, { features }: Overlay): Promise<Mark[]>
     const some = points.slice(begin, begin + kHeightsAtOnce);
     const heights = await terrain.heights(some.map(({ place }) => place));
     some.forEach(({ place, feature }, i) => {
-      if (Number.isFinite(heights[i])) marks.push({ point: terrain.toScene({ ...place, height: heights[i]! }), feature });
+      if (!Number.isFinite(heights[i])) return;
+      const point = terrain.toScene({ ...place, height: heights[i]! });
+      marks.push({ point, lattice: terrain.place(point)!.lattice, feature });
     });
   }
   return marks;

@@ -73,6 +73,7 @@ export class Panel {
   private snow_row!: HTMLElement;
   private change_row!: HTMLElement;
   private adaptive_row!: HTMLElement;
+  private sea_row!: HTMLElement;
 
   // `colours` are the names of colour maps; `file` is where another one is opened; `speed_mps` is how fast the keys fly.
   constructor(root: HTMLElement, private readonly settings: Settings, colours: readonly string[], private readonly file: HTMLInputElement,
@@ -119,6 +120,11 @@ export class Panel {
     this.showChoices();
   }
 
+  // Whether the scene has a sea that can be left out.
+  setSea(exists: boolean): void {
+    this.sea_row.hidden = !exists;
+  }
+
   private addColourControls(): void {
     const { form, body, settings } = this;
     this.ground_select = form.select(body, 'Ground', 'ground', kGrounds, namesOf(kGrounds), boundTo(settings, 'ground'));
@@ -151,6 +157,8 @@ export class Panel {
     layer_rows.relief = form.switch(body, 'Relief shading', 'relief', boundTo(settings, 'relief'));
     layer_rows.shadows = form.switch(body, 'Cast shadows', 'shadows', boundTo(settings, 'shadows'));
     form.switch(body, 'Contours', 'contours', boundTo(settings, 'contours'));
+    this.sea_row = form.switch(body, 'Sea', 'sea', boundTo(settings, 'sea'));
+    this.sea_row.hidden = true;
     form.switch(body, 'Haze', 'fog', boundTo(settings, 'fog'));
     this.flat_rows.push(form.slider(body, 'Heights', 'exaggeration', boundTo(settings, 'exaggeration'), {
       range: [-1, Math.log2(kExaggerations.most), 0.01], toValue: (v) => Math.round(20 * 2 ** v) / 20, toPosition: Math.log2, text: (v) => `\u00d7 ${Number(v.toFixed(2))}`,

@@ -154,6 +154,7 @@ export class RecordControl {
   private async run(count: number, [width, height]: [number, number], work: (frames: ExactFrames, signal: AbortSignal) => Promise<string>): Promise<void> {
     const terrain = this.stage.terrain();
     if (!terrain?.hasScene || this.abort) return;
+    if (this.stage.picture().headset.isOn) return this.stage.say('A headset shows the scene: leave it to record.');
     const abort = (this.abort = new AbortController());
     this.begin_ms = performance.now();
     this.tell(0, count);

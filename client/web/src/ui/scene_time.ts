@@ -97,6 +97,6 @@ export class SceneTime {
   }
 }
 
-function dateText(ms: number): string {
+export function dateText(ms: number): string {
   return new Date(ms).toISOString().slice(0, 10);
 }

@@ -25,6 +25,7 @@ export interface Settings extends SunSettings {
   change: number; // of the ground since the first epoch that has the strongest colours, as a share of the largest one
   contours: boolean;
   fog: boolean;
+  sea: boolean; // of a globe that has one; else its floor is seen
   exaggeration: number; // of heights
   map: boolean; // a small one, in a corner
   labels: boolean; // names of an overlay's points are written over the ground
@@ -97,6 +98,7 @@ export function readSettings(query: URLSearchParams): Settings {
     sun_height_deg: number('height', 0, 90, 36),
     contours: flag('contours', false),
     fog: flag('fog', true),
+    sea: flag('sea', true),
     exaggeration: number('exaggeration', kExaggerations.least, kExaggerations.most, 1),
     map: flag('map', false),
     labels: flag('labels', true),
@@ -109,7 +111,7 @@ export function readSettings(query: URLSearchParams): Settings {
 const kNames: Partial<Record<keyof Settings, string>> = {
   strategy: 'strategy', blend: 'blend', predictor: 'predictor', tau_px: 'tau', wireframe: 'wireframe', relief: 'relief', imagery: 'imagery', shadows: 'shadows', ground: 'ground',
   colours: 'colours', snow_line: 'snow', change: 'change', sun: 'sun', sun_hour: 'hour', sun_day: 'day', sun_azimuth_deg: 'azimuth', sun_height_deg: 'height', contours: 'contours',
-  fog: 'fog', labels: 'labels', map: 'map', exaggeration: 'exaggeration', occlusion: 'occlusion',
+  fog: 'fog', sea: 'sea', labels: 'labels', map: 'map', exaggeration: 'exaggeration', occlusion: 'occlusion',
 };
 const kUsual = readSettings(new URLSearchParams());
 

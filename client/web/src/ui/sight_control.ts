@@ -2,6 +2,7 @@
 // far as one sees, red beyond. Key V: drapes over the ground what is seen from that eye, or from the camera; again, or Escape while it
 // comes: takes it away.
 import type { Place, Sight, Terrain, Vector, Viewshed } from '@foreland/client';
+import { spacingOf } from '../measure/measurement';
 import { pickExactly } from './exact_pick';
 import { isForPage, onClicks, type Stage } from './stage';
 import { reasonOf } from './words';
@@ -56,7 +57,7 @@ export class SightControl {
 
   private run(work: (terrain: Terrain) => Promise<void>): void {
     const terrain = this.stage.terrain();
-    if (!terrain?.hasScene || terrain.scene.frame === 'globe') return; // of which servers do not know who sees what
+    if (!terrain?.hasScene) return;
     work(terrain).catch((error: unknown) => this.stage.say(reasonOf(error)));
   }
 
@@ -98,12 +99,12 @@ export class SightControl {
   }
 
   private viewshedQuestion(terrain: Terrain) {
-    const { bounds: { low, high }, samples } = terrain.scene;
+    const { bounds: { low, high } } = terrain.scene;
     const at = terrain.place(this.from ?? this.stage.picture().eye)!;
     const height = this.from || at.ground === null ? kEye_m : Math.max(at.height - at.ground, 0);
     const across_m = Math.hypot(high[0] - low[0], high[1] - low[1]);
     const radius = Math.min(kRadius_m, across_m);
-    const cell = Math.max(across_m / Math.hypot(...samples), (2 * radius) / kCells);
+    const cell = Math.max(spacingOf(terrain), (2 * radius) / kCells);
     return { from: { ...at, height }, radius, cell, sceneTime: this.stage.sceneTime() };
   }
 

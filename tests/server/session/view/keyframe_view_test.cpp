@@ -67,5 +67,25 @@ TEST(RegionOfAKeyframe, HoldsTheMotionForAsLongAsItIsShown) {
     }
 }
 
+// It is as much wider as eyes are from the camera, whatever is left of what predictions may be off by.
+TEST(RegionOfAKeyframe, HoldsTheEyesAboutTheCamera) {
+  ViewerMotion motion;
+  for (int i = 0; i < 20; ++i)
+    motion.add({Time::seconds(8) + Duration::milliseconds(50 * i), {{1.5 * i, 0, 100}, glm::dquat(1, 0, 0, 0)}});
+  KeyframeState state;
+  state.grid = state.interval = state.last_step = Duration::milliseconds(200);
+  state.newest_client = motion.newest().time;
+  state.last_client = Time::seconds(8.8);
+  const auto regionOf = [&](double eye_radius_m) {
+    proto::ViewRequest request;
+    request.eye_radius_m = eye_radius_m;
+    return regionFor(state, motion, request, Time::seconds(9.4), state.grid);
+  };
+  const RegionParts alone = regionOf(0), head = regionOf(0.032);
+  EXPECT_DOUBLE_EQ(head.withoutErrors().radius_m, alone.withoutErrors().radius_m + 0.032);
+  EXPECT_EQ(head.error.radius_m, alone.error.radius_m);
+  EXPECT_EQ(head.withoutErrors().angle_rad, alone.withoutErrors().angle_rad);
+}
+
 }  // namespace
 }  // namespace foreland::server

@@ -8,3 +8,13 @@ uniform int u_frame;     // planar, geographic, globe
 #define IS_GLOBE false
 #endif
 uniform vec2 u_heights;  // lowest, highest ground
+
+// A sea's floor that no water covers, by its depth.
+vec3 floorColour(float depth_m) {
+  return mix(vec3(0.260, 0.225, 0.160), vec3(0.065, 0.075, 0.090), 1.0 - exp(-depth_m / 2500.0));
+}
+
+// Under water, by its depth.
+vec3 seaColour(float depth_m) {
+  return mix(vec3(0.020, 0.075, 0.110), vec3(0.004, 0.017, 0.050), 1.0 - exp(-depth_m / 1800.0));
+}

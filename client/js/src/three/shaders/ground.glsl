@@ -5,6 +5,7 @@ in vec4 v_chart_0;              // globe: position on a face from its pivot, the
 in vec4 v_chart_1;
 in vec4 v_chart_2;
 in vec3 v_up;                   // away from the zero surface; of any length
+in float v_undulation;          // how far the sea lies above the zero surface, metres
 #endif
 in vec3 v_normal;               // of the mesh, in the scene's axes
 in vec4 v_texture_coordinate;   // from the mesh's origin; height
@@ -17,7 +18,7 @@ uniform float u_noise_m;      // coarsest wavelength of the ground's mottling
 uniform float u_contour_m;    // 0: none
 uniform float u_snow_line;    // from 0, the lowest ground, to 1, the highest
 uniform float u_change_m;     // that has the strongest colours
-uniform int u_has_sea;        // what is lower than 0 lies under water
+uniform int u_has_sea;        // globe: what is lower than the sea lies under water (1), or would if that were drawn (2)
 uniform vec3 u_north;         // the earth's axis, or north on the map
 
 // Position on the lattice, from the pivot; on a globe on the face that all corners of the triangle lie on, from the face's pivot.
@@ -127,18 +128,13 @@ vec3 changeColour(float share) {
   return 0.5 * mix(kColours[i], kColours[i + 1], at - float(i));
 }
 
-// Under water, by its depth.
-vec3 seaColour(float depth_m) {
-  return mix(vec3(0.020, 0.075, 0.110), vec3(0.004, 0.017, 0.050), 1.0 - exp(-depth_m / 1800.0));
-}
-
 vec3 groundColour(vec3 normal, float height, float pixel_m) {
 #ifdef GLOBE
   vec3 up = normalize(v_up);
+  if (u_has_sea > 0 && height < v_undulation) return u_has_sea == 1 ? seaColour(v_undulation - height) : floorColour(v_undulation - height);
 #else
   vec3 up = u_up;
 #endif
-  if (u_has_sea == 1 && height < 0.0) return seaColour(-height);
   float span = max(u_heights.y - u_heights.x, 1e-3);
   float mottle = mottlingHere(up, pixel_m);
   float t = (height - u_heights.x) / span;

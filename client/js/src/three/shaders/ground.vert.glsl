@@ -14,6 +14,20 @@ out vec4 v_chart_0;          // globe: see latticeHere()
 out vec4 v_chart_1;
 out vec4 v_chart_2;
 out vec3 v_up;               // away from the zero surface; of any length
+out float v_undulation;      // how far the sea lies above the zero surface, metres
+uniform highp sampler2D u_undulations;  // metres, on meridians and parallels, row by row from the south
+uniform vec4 u_undulation_place;        // longitude and latitude of the first, radians; values to a radian, 0 if there are none
+
+// Bilinear. Between vertices it is linear: geoids bend by a few hundredths of what the body does, so little of a triangle's error.
+float undulationAt(vec3 up) {
+  vec2 at = (vec2(atan(up.y, up.x), atan(up.z, length(up.xy))) - u_undulation_place.xy) * u_undulation_place.zw;
+  ivec2 last = textureSize(u_undulations, 0) - 1;
+  at = clamp(at, vec2(0.0), vec2(last));
+  ivec2 low = ivec2(at), high = min(low + 1, last);
+  vec2 share = at - vec2(low);
+  vec4 n = vec4(texelFetch(u_undulations, low, 0).r, texelFetch(u_undulations, ivec2(high.x, low.y), 0).r, texelFetch(u_undulations, ivec2(low.x, high.y), 0).r, texelFetch(u_undulations, high, 0).r);
+  return mix(mix(n.x, n.y, share.x), mix(n.z, n.w, share.x), share.y);
+}
 #endif
 out float v_moved;
 out vec3 v_normal;
@@ -53,6 +67,7 @@ void passGround(vec4 p) {
   v_lattice = texture_coordinate - u_pivot;
 #ifdef GLOBE
   v_up = (u_from_middle + p.xyz) * vec3(1.0, 1.0, u_round);
+  v_undulation = undulationAt(v_up);
   passCharts();
 #endif
   v_moved = mix(from_moved, to_moved, u_weight);
