@@ -2,6 +2,8 @@
 // converts; client/ and the page make the decisions. Times are milliseconds of the page's clock; texts are UTF-8. One
 // thread. A viewer's address is its handle; records and arrays stay valid until the next call into the module. Exports
 // about meshes and tiles have files of their own.
+#include <algorithm>
+#include <cstring>
 #include <limits>
 #include <string>
 
@@ -12,24 +14,24 @@
 namespace foreland::client {
 namespace {
 
-proto::ViewRequest requestOf(double fov_rad, uint32_t width_px, uint32_t height_px, double tau_px, uint32_t strategy,
-                             uint32_t predictor, double keyframe_ms, double longest_keyframe_ms, uint32_t occlusion,
-                             uint32_t memory_bytes, uint32_t relief, uint32_t imagery, uint32_t tile_bytes,
-                             uint32_t max_triangles, uint32_t max_bytes_per_second, double eye_radius_m) {
-  return {.lens = {.vertical_fov_rad = fov_rad, .width_px = width_px, .height_px = height_px},
-          .tau_px = tau_px,
-          .strategy = static_cast<proto::Strategy>(strategy),
-          .predictor = static_cast<proto::Predictor>(predictor),
-          .keyframe_interval = {timeOf(keyframe_ms).us},
-          .longest_interval = {timeOf(longest_keyframe_ms).us},
-          .max_triangles = max_triangles,
-          .max_bytes_per_second = max_bytes_per_second,
-          .occlusion = occlusion != 0,
-          .memory_bytes = memory_bytes,
-          .relief = relief != 0,
-          .imagery = imagery != 0,
-          .tile_bytes = tile_bytes,
-          .eye_radius_m = eye_radius_m};
+// Of the record that the page wrote for this call (make_records.mjs: writeRequestRecord).
+proto::ViewRequest writtenRequest() {
+  RequestRecord r{};
+  std::memcpy(&r, incoming().data(), std::min(sizeof r, incoming().size()));
+  return {.lens = {.vertical_fov_rad = r.fov_rad, .width_px = r.width_px, .height_px = r.height_px},
+          .tau_px = r.tau_px,
+          .strategy = static_cast<proto::Strategy>(r.strategy),
+          .predictor = static_cast<proto::Predictor>(r.predictor),
+          .keyframe_interval = {timeOf(r.keyframe_ms).us},
+          .longest_interval = {timeOf(r.longest_keyframe_ms).us},
+          .max_triangles = r.max_triangles,
+          .max_bytes_per_second = r.max_bytes_per_second,
+          .occlusion = r.occlusion != 0,
+          .memory_bytes = r.memory_bytes,
+          .relief = r.relief != 0,
+          .imagery = r.imagery != 0,
+          .tile_bytes = r.tile_bytes,
+          .eye_radius_m = r.eye_radius_m};
 }
 
 double texelOf(Host& host, proto::TileContent content) {
@@ -57,15 +59,8 @@ FORELAND_EXPORT(foreland_buffer) uint8_t* buffer(uint32_t size) {
   return incoming().data();
 }
 
-FORELAND_EXPORT(foreland_create)
-Host* create(double fov_rad, uint32_t width_px, uint32_t height_px, double tau_px, uint32_t strategy,
-             uint32_t predictor, double keyframe_ms, double longest_keyframe_ms, uint32_t occlusion,
-             uint32_t memory_bytes, uint32_t relief, uint32_t imagery, uint32_t tile_bytes, uint32_t max_triangles,
-             uint32_t max_bytes_per_second, double eye_radius_m) {
-  return new Host(requestOf(fov_rad, width_px, height_px, tau_px, strategy, predictor, keyframe_ms, longest_keyframe_ms,
-                            occlusion, memory_bytes, relief, imagery, tile_bytes, max_triangles, max_bytes_per_second,
-                            eye_radius_m));
-}
+// For the request in the buffer.
+FORELAND_EXPORT(foreland_create) Host* create() { return new Host(writtenRequest()); }
 
 // Continues over a new connection after the old one was lost (Viewer::reconnect).
 FORELAND_EXPORT(foreland_reconnect) void reconnect(Host* host, double now_ms) {
@@ -97,15 +92,8 @@ FORELAND_EXPORT(foreland_error) const TextRecord* error(Host* host) {
 // The camera of the next frame is jumped to (Viewer::jump).
 FORELAND_EXPORT(foreland_jump) void jump(Host* host) { host->viewer.jump(); }
 
-FORELAND_EXPORT(foreland_set_request)
-void setRequest(Host* host, double fov_rad, uint32_t width_px, uint32_t height_px, double tau_px, uint32_t strategy,
-                uint32_t predictor, double keyframe_ms, double longest_keyframe_ms, uint32_t occlusion,
-                uint32_t memory_bytes, uint32_t relief, uint32_t imagery, uint32_t tile_bytes, uint32_t max_triangles,
-                uint32_t max_bytes_per_second, double eye_radius_m) {
-  host->viewer.setRequest(requestOf(fov_rad, width_px, height_px, tau_px, strategy, predictor, keyframe_ms,
-                                    longest_keyframe_ms, occlusion, memory_bytes, relief, imagery, tile_bytes,
-                                    max_triangles, max_bytes_per_second, eye_radius_m));
-}
+// Asks for what the request in the buffer says from now on.
+FORELAND_EXPORT(foreland_set_request) void setRequest(Host* host) { host->viewer.setRequest(writtenRequest()); }
 
 // From `at_ms` on scene time goes from `scene_ms`, since 1970, at `rate` scene seconds a second.
 FORELAND_EXPORT(foreland_set_scene_clock)

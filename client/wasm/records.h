@@ -1,5 +1,6 @@
-// What the page reads from the module's memory: plain records, little-endian. Pointers are offsets into the module's
-// memory. record_layout.h lists the fields, and the page's readers are generated from that list.
+// What the page reads from the module's memory, and a request, which it writes there: plain records, little-endian.
+// Pointers are offsets into the module's memory. record_layout.h lists the fields, and the page's readers and writers
+// are generated from that list.
 #pragma once
 
 #include <cstdint>
@@ -8,6 +9,27 @@
 namespace foreland::client {
 
 using Address = uint32_t;
+
+// proto::ViewRequest.
+struct RequestRecord {
+  double fov_rad;  // vertical
+  double tau_px;
+  double keyframe_ms;
+  double longest_keyframe_ms;
+  double eye_radius_m;
+  uint32_t width_px;
+  uint32_t height_px;
+  uint32_t strategy;   // proto::Strategy
+  uint32_t predictor;  // proto::Predictor
+  uint32_t occlusion;
+  uint32_t memory_bytes;
+  uint32_t relief;
+  uint32_t imagery;
+  uint32_t tile_bytes;
+  uint32_t max_triangles;
+  uint32_t max_bytes_per_second;
+  uint32_t unused;  // keeps the size a multiple of 8
+};
 
 struct PoseRecord {
   double eye[3];          // scene frame, metres

@@ -10,9 +10,7 @@ interface Exports {
   _initialize(): void;
   foreland_record_layout(): number;
   foreland_buffer(size: number): number;
-  foreland_create(fov: number, w: number, h: number, tau: number, strategy: number, predictor: number, interval_ms: number,
-                  longest_interval_ms: number, occlusion: number, memory_bytes: number, relief: number, imagery: number, tile_bytes: number,
-                  max_triangles: number, max_bytes_per_second: number, eye_radius_m: number): number;
+  foreland_create(): number;
   foreland_destroy(viewer: number): void;
   foreland_reconnect(viewer: number, now_ms: number): void;
   foreland_receive(viewer: number, now_ms: number): number;
@@ -34,9 +32,7 @@ interface Exports {
   foreland_interval(viewer: number): number;
   foreland_ground(viewer: number, x: number, y: number, z: number, reach: number): number;
   foreland_take_changes(viewer: number, part: number): number;
-  foreland_set_request(viewer: number, fov: number, w: number, h: number, tau: number, strategy: number, predictor: number,
-                       interval_ms: number, longest_interval_ms: number, occlusion: number, memory_bytes: number, relief: number, imagery: number, tile_bytes: number,
-                       max_triangles: number, max_bytes_per_second: number, eye_radius_m: number): void;
+  foreland_set_request(viewer: number): void;
   foreland_set_blend(viewer: number, blend: number): number;
   foreland_set_scene_clock(viewer: number, at_ms: number, scene_ms: number, rate: number): void;
   foreland_request_tour(viewer: number, seconds: number): void;

@@ -3,6 +3,7 @@ import { type Core, welcomeAt } from '../core/core.js';
 import type { ExactGround } from '../core/messages.js';
 import {
   readChangesRecord, readFrameRecord, readGroundRecord, readImageRecord, readStatisticsRecord, readTextRecord, readTilesRecord, type FrameRecord,
+  writeRequestRecord,
 } from '../core/records.js';
 import {
   kBlends, kContents, kPredictors, kStrategies, kTileSide, type Blend, type Changes, type Content, type Frame, type Mesh, type Pose,
@@ -17,7 +18,8 @@ export class Viewer {
   private frame_record = 0;
 
   constructor(private readonly core: Core, request: Request) {
-    this.handle = core.exports.foreland_create(...requestArguments(request));
+    core.put(recordOf(request));
+    this.handle = core.exports.foreland_create();
   }
 
   // Continues over a new connection after the old one was lost: resumes from the sections held, if the scene is the same.
@@ -41,7 +43,8 @@ export class Viewer {
     return this.core.copy(text, size);
   }
   setRequest(request: Request): void {
-    this.core.exports.foreland_set_request(this.handle, ...requestArguments(request));
+    this.core.put(recordOf(request));
+    this.core.exports.foreland_set_request(this.handle);
   }
 
   // Takes effect with the next keyframe. Nodes in transition continue from the weights that they have.
@@ -264,11 +267,10 @@ function meshOf(memory: ArrayBuffer, r: FrameRecord): Mesh {
   };
 }
 
-type RequestArguments = [number, number, number, number, number, number, number, number, number, number, number, number, number, number, number, number];
-
-function requestArguments(r: Request): RequestArguments {
-  const strategy = kStrategies.indexOf(r.strategy);
-  return [r.fov_rad, r.width_px, r.height_px, r.tau_px, strategy, kPredictors.indexOf(r.predictor), r.keyframe_ms, r.longest_keyframe_ms ?? 0,
-    r.occlusion ? 1 : 0, r.memory_bytes, r.relief ? 1 : 0, r.imagery ? 1 : 0, r.tile_bytes,
-    r.max_triangles ?? 0, r.max_bytes_per_second ?? 0, r.eye_radius_m ?? 0];
+function recordOf(r: Request): Uint8Array {
+  const { strategy, predictor, occlusion, relief, imagery, longest_keyframe_ms = 0, max_triangles = 0, max_bytes_per_second = 0, eye_radius_m = 0 } = r;
+  return writeRequestRecord({
+    ...r, longest_keyframe_ms, max_triangles, max_bytes_per_second, eye_radius_m, occlusion: Number(occlusion), relief: Number(relief), imagery: Number(imagery),
+    strategy: kStrategies.indexOf(strategy), predictor: kPredictors.indexOf(predictor),
+  });
 }
