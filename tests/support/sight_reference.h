@@ -3,6 +3,8 @@
 // triangle, or on every one near it. Knows nothing of trees, of blocks, or of a line's own coordinates.
 #pragma once
 
+#include <gtest/gtest.h>
+
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -175,6 +177,18 @@ bool isGrazing(const std::optional<server::SightHit>& found, const PlainLine& li
   }
   if (!found) return farthest == kNone;
   return nearest <= found->share && found->share <= farthest && isOnTriangle(found->position, near);
+}
+
+// Whether an answer is what firstHit(line), a plain walk, finds, or as right; `grazing` counts the answers that differ.
+template <class Ask, class Near>
+testing::AssertionResult isAsPlainly(const std::optional<server::SightHit>& found, const PlainLine& line,
+                                     const Ask& firstHit, const Near& near, int& grazing) {
+  const std::optional<double> expected = firstHit(line);
+  if (isSame(found, expected, line, near)) return testing::AssertionSuccess();
+  ++grazing;
+  if (isGrazing(found, line, firstHit, near)) return testing::AssertionSuccess();
+  return testing::AssertionFailure() << (found ? found->share : -1) << ", plainly " << expected.value_or(-1) << " of "
+                                     << glm::distance(line.from, line.to) << " m";
 }
 
 }  // namespace foreland::test
