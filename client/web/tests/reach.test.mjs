@@ -66,9 +66,9 @@ async function addHeadset(page) {
 // What is stated holds for both eyes: the server is told how far they are from the middle, and nothing is guaranteed until its regions are so wide.
 async function checkHeadset(page) {
   const isBoth = (s, apart_m) => s.headset_eyes.length === 2 && Math.abs(Math.hypot(...s.headset_eyes[0].map((v, k) => v - s.headset_eyes[1][k])) - apart_m) < 1e-3 && s.tau_px < 4.001;
-  const halves = async () => {
-    const { width, height } = page.viewportSize(), clip = { y: 0, width: width / 2, height };
-    return changedShare(page, await page.screenshot({ clip: { ...clip, x: 0 } }), await page.screenshot({ clip: { ...clip, x: width / 2 } }));
+  const halves = async () => { // of one frame
+    const { width, height } = page.viewportSize(), picture = await page.screenshot();
+    return changedShare(page, picture, picture, [0, width / 2].map((x) => [x, 0, width / 2, height]));
   };
   const canvas = await page.locator('#scene').boundingBox();
   await page.locator('[name=headset]').click();
@@ -77,8 +77,10 @@ async function checkHeadset(page) {
   const apart = await halves();
   assert.ok(apart > 0.02, `each eye has a picture of its own: they differ in ${apart}`);
   await page.evaluate(() => (window.device.ipd = 0));
-  await until(page, isBoth, 0);
-  assert.ok((await halves()) < 0.002, 'eyes in one place see the same');
+  const { frames } = await until(page, isBoth, 0);
+  await until(page, (s, before) => s.frames > before + 1, frames);
+  const together = await halves();
+  assert.ok(together < 0.002, `eyes in one place see the same: they differ in ${together}`);
   await page.evaluate(() => window.device.controllers.left.updateAxis('thumbstick', 'y-axis', -1));
   await until(page, (s, from) => Math.hypot(...s.eye.map((v, k) => v - from[k])) > 20, eye);
   await page.evaluate(() => {

@@ -88,15 +88,15 @@ export function middleOf(page) {
   return page.screenshot({ clip });
 }
 
-// The share of pixels that differ visibly between two pictures of one size.
-export function changedShare(page, one, other) {
+// The share of pixels that differ visibly between two pictures, or between parts of them, of one size.
+export function changedShare(page, one, other, parts = [null, null]) {
   const urls = [one, other].map((picture) => `data:image/png;base64,${picture.toString('base64')}`);
-  return page.evaluate(async (pictures) => {
-    const pixelsOf = async (url) => {
+  return page.evaluate(async ([pictures, parts]) => {
+    const pixelsOf = async (url, i) => {
       const image = await createImageBitmap(new Blob([Uint8Array.from(atob(url.split(',')[1]), (c) => c.charCodeAt(0))]));
       const context = new OffscreenCanvas(image.width, image.height).getContext('2d');
       context.drawImage(image, 0, 0);
-      return context.getImageData(0, 0, image.width, image.height).data;
+      return context.getImageData(...(parts[i] ?? [0, 0, image.width, image.height])).data;
     };
     const [a, b] = await Promise.all(pictures.map(pixelsOf));
     let changed = 0;
@@ -104,7 +104,7 @@ export function changedShare(page, one, other) {
       if (Math.abs(a[i] - b[i]) + Math.abs(a[i + 1] - b[i + 1]) + Math.abs(a[i + 2] - b[i + 2]) > 24) ++changed;
     }
     return changed / (a.length / 4);
-  }, urls);
+  }, [urls, parts]);
 }
 
 // What a screenshot's pixels say: how many colours, and how the lower half differs from the sky.
