@@ -47,7 +47,6 @@ export class FlightMarks {
 
   // Draws a scene that they are in. An aircraft that is nearer than the ground can be is drawn over it, with depths of its own.
   draw(renderer: THREE.WebGLRenderer, scene: THREE.Scene, camera: THREE.PerspectiveCamera): void {
-    camera.updateWorldMatrix(true, false); // which is the last frame's until this one is rendered
     const { aircraft } = this, distance = aircraft.position.distanceTo(kEye.setFromMatrixPosition(camera.matrixWorld)), is_near = aircraft.visible && distance < 1.2 * camera.near;
     aircraft.scale.setScalar(kSize * distance);
     aircraft.visible &&= !is_near;
