@@ -8,6 +8,7 @@
 #include "apps/options/command_line.h"
 #include "apps/options/options.h"
 #include "apps/options/output_file.h"
+#include "apps/options/toml_config.h"
 #include "apps/report/progress_line.h"
 #include "apps/stop_signal.h"
 #include "terrain/dem/open.h"
@@ -61,6 +62,7 @@ int main(int argc, char** argv) {
       ->type_name(apps::whole("MIB"))
       ->check(apps::within(1u, 1u << 30))
       ->capture_default_str();
+  apps::addConfiguration(app);
   const auto exit_code =
       apps::parseCommandLine(app, argc, argv,
                              {{"a scene by four jobs at a time",

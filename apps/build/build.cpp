@@ -21,6 +21,7 @@
 #include "apps/options/foreign_files.h"
 #include "apps/options/options.h"
 #include "apps/options/output_file.h"
+#include "apps/options/toml_config.h"
 #include "apps/report/progress_line.h"
 #include "apps/stop_signal.h"
 #include "terrain/dem/on_lattice.h"
@@ -397,6 +398,7 @@ int main(int argc, char** argv) {
   describeImagery(app, arguments);
   describeChanges(app, arguments);
   apps::addForeignFiles(app, arguments.foreign);
+  apps::addConfiguration(app);
   const auto exit_code = apps::parseCommandLine(
       app, argc, argv,
       {{"one file", "foreland build hills.tif -o hills.fls"},
@@ -407,7 +409,9 @@ int main(int argc, char** argv) {
        {"a tower on a summit, twice as large as modelled and facing east",
         "foreland build N46E008.hgt -o alps.fls --object tower.fls@46.5900,8.1183,0,90,2"},
        {"ground that changes in time",
-        "foreland build msh.tif --epoch 2000-09-25=01.tif --epoch 2004-10-04=02.tif -o dome.fls"}});
+        "foreland build msh.tif --epoch 2000-09-25=01.tif --epoch 2004-10-04=02.tif -o dome.fls"},
+       {"all of a world in a file: INPUT = ['etopo20.cdf'], globe = true, inset = ['alps.tif', 'fuji.tif']",
+        "foreland build --config WORLD.toml -o planet.fls"}});
   if (exit_code) return *exit_code;
   takeVerticals(arguments);
   if (Status s = apps::takeInsets(arguments.elevation); !s.ok()) return fail(s.error());

@@ -3,14 +3,13 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
-#include <memory>
 #include <thread>
 #include <utility>
 
 #include "apps/options/command_line.h"
 #include "apps/options/keyframe_option.h"
 #include "apps/options/options.h"
-#include "apps/serve/toml_config.h"
+#include "apps/options/toml_config.h"
 #include "base/time.h"
 #include "server/net/access/listen_address.h"
 #include "server/net/access/token.h"
@@ -151,12 +150,7 @@ void addOperation(CLI::App& app, ServeFlags& flags) {
   add("--log", flags.log_format, "json: an object on each line")->check(oneOf({"text", "json"}))->capture_default_str();
 }
 
-void addConfiguration(CLI::App& app, bool& prints_config) {
-  app.set_config("--config", "", "read options from this TOML file; those of the command line win")
-      ->type_name(file("FILE.toml"))
-      ->group("Configuration");
-  app.allow_config_extras(false);
-  app.config_formatter(std::make_shared<TomlConfig>());
+void addPrinting(CLI::App& app, bool& prints_config) {
   app.add_flag("--print-config", prints_config, "print all options as a file for --config, and end")
       ->configurable(false)
       ->group("Configuration");
@@ -184,7 +178,8 @@ ParsedServeFlags parseServeFlags(int argc, const char* const* argv) {
   addGate(app, flags);
   addOperation(app, flags);
   bool prints_config = false;
-  addConfiguration(app, prints_config);
+  addConfiguration(app);
+  addPrinting(app, prints_config);
   const auto exit_code = parseCommandLine(app, argc, argv, kExamples);
   if (exit_code) return {std::move(flags), exit_code};
   if (!prints_config) return {std::move(flags), std::nullopt};

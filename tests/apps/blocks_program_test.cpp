@@ -52,6 +52,22 @@ TEST_F(BlocksProgram, MakeTheSceneThatBuildMakes) {
   EXPECT_TRUE(slurp(scene()) == slurp(folder_ / "windowed.fls"));
 }
 
+TEST_F(BlocksProgram, AWholeWorldStandsInAFile) {
+  makePlan();
+  const auto write = [&](std::string_view text) { spit(folder_ / "WORLD.toml", {text.begin(), text.end()}); };
+  const std::string world = folder_ / "WORLD.toml";
+  write("INPUT = ['" + input() + "']\nframe = 'planar'\n");
+  succeed("plan", {"--config", world, "-o", folder_ / "again.json"});
+  EXPECT_TRUE(slurp(plan()) == slurp(folder_ / "again.json"));
+  succeed("build", {"--config", world, "-o", scene()});
+  succeed("build", {input(), "--frame", "planar", "-o", folder_ / "whole.fls"});
+  EXPECT_TRUE(slurp(scene()) == slurp(folder_ / "whole.fls"));
+  write("INPUT = ['" + input() + "']\nfram = 'planar'\n");
+  expectRefusal("plan", {"--config", world, "-o", plan()}, {"fram"});
+  write("globe = false\nsea = true\nINPUT = ['" + input() + "']\n");
+  expectRefusal("build", {"--config", world, "-o", scene()}, {"--sea", "--globe"});
+}
+
 TEST_F(BlocksProgram, AChangedInputNeedsANewPlanAndOnlyItsBlocks) {
   makePlan();
   succeed("block", {plan(), "0", "1", "-o", blocks()});

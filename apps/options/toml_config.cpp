@@ -1,9 +1,10 @@
-#include "apps/serve/toml_config.h"
+#include "apps/options/toml_config.h"
 
 #include <fmt/format.h>
 #include <toml++/toml.h>
 
 #include <iterator>
+#include <memory>
 #include <sstream>
 #include <string>
 #include <string_view>
@@ -22,7 +23,8 @@ std::string textOf(std::string_view key, const toml::node& value) {
   if (const auto* text = value.as_string()) return text->get();
   if (const auto* number = value.as_integer()) return fmt::format("{}", number->get());
   if (const auto* number = value.as_floating_point()) return fmt::format("{}", number->get());
-  refuse(value.source().begin, fmt::format("'{}' must be a text, a number, or a list of these", key));
+  if (const auto* flag = value.as_boolean()) return flag->get() ? "true" : "";
+  refuse(value.source().begin, fmt::format("'{}' must be a text, a number, true, false, or a list of these", key));
 }
 
 CLI::ConfigItem itemOf(std::string_view key, const toml::node& value) {
@@ -57,6 +59,14 @@ std::string settingOf(const OptionRow& row, const CLI::Option& option) {
 }
 
 }  // namespace
+
+void addConfiguration(CLI::App& app) {
+  app.set_config("--config", "", "read options from this TOML file; those of the command line win")
+      ->type_name(file("FILE.toml"))
+      ->group("Configuration");
+  app.allow_config_extras(false);
+  app.config_formatter(std::make_shared<TomlConfig>());
+}
 
 std::string configText(CLI::App& app) {
   std::string text = "# " + app.get_description() + "\n", group;

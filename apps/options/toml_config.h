@@ -11,10 +11,14 @@ namespace foreland::apps {
 
 class TomlConfig : public CLI::ConfigTOML {
  public:
-  // One item for each key; lists have several inputs, empty texts and lists none, as if the option were not given.
+  // One item for each key; lists have several inputs, empty texts and lists and `false` none, as if the option were not
+  // given.
   // Throws CLI::ConversionError, as CLI11 expects, which says what is wrong and in which line.
   std::vector<CLI::ConfigItem> from_config(std::istream& input) const override;
 };
+
+// Adds --config FILE.toml, whose keys are the app's options without their dashes.
+void addConfiguration(CLI::App& app);
 
 // All options that a file may set, with what they do, as such a file: after parsing with the values that are in force.
 std::string configText(CLI::App& app);
