@@ -49,22 +49,14 @@ constexpr const char* recordTypeName() {
   }
 
 inline constexpr RecordField kRequestFields[] = {
-    FORELAND_FIELD(RequestRecord, fov_rad),
-    FORELAND_FIELD(RequestRecord, tau_px),
-    FORELAND_FIELD(RequestRecord, keyframe_ms),
-    FORELAND_FIELD(RequestRecord, longest_keyframe_ms),
-    FORELAND_FIELD(RequestRecord, eye_radius_m),
-    FORELAND_FIELD(RequestRecord, width_px),
-    FORELAND_FIELD(RequestRecord, height_px),
-    FORELAND_FIELD(RequestRecord, strategy),
-    FORELAND_FIELD(RequestRecord, predictor),
-    FORELAND_FIELD(RequestRecord, occlusion),
-    FORELAND_FIELD(RequestRecord, memory_bytes),
-    FORELAND_FIELD(RequestRecord, relief),
-    FORELAND_FIELD(RequestRecord, imagery),
-    FORELAND_FIELD(RequestRecord, tile_bytes),
-    FORELAND_FIELD(RequestRecord, max_triangles),
-    FORELAND_FIELD(RequestRecord, max_bytes_per_second),
+    FORELAND_FIELD(RequestRecord, fov_rad),       FORELAND_FIELD(RequestRecord, tau_px),
+    FORELAND_FIELD(RequestRecord, keyframe_ms),   FORELAND_FIELD(RequestRecord, longest_keyframe_ms),
+    FORELAND_FIELD(RequestRecord, eye_radius_m),  FORELAND_FIELD(RequestRecord, width_px),
+    FORELAND_FIELD(RequestRecord, height_px),     FORELAND_FIELD(RequestRecord, strategy),
+    FORELAND_FIELD(RequestRecord, predictor),     FORELAND_FIELD(RequestRecord, occlusion),
+    FORELAND_FIELD(RequestRecord, memory_bytes),  FORELAND_FIELD(RequestRecord, relief),
+    FORELAND_FIELD(RequestRecord, imagery),       FORELAND_FIELD(RequestRecord, tile_bytes),
+    FORELAND_FIELD(RequestRecord, max_triangles), FORELAND_FIELD(RequestRecord, max_bytes_per_second),
     FORELAND_FIELD(RequestRecord, unused),
 };
 inline constexpr RecordField kPoseFields[] = {FORELAND_FIELD(PoseRecord, eye), FORELAND_FIELD(PoseRecord, orientation)};
