@@ -150,12 +150,12 @@ test('the feature at a place is the last of those that a plain reference finds',
   const next = random(21);
   const flat = (line) => Float64Array.from(line.flat());
   for (let round = 0; round < 200; ++round) {
-    const features = [], parts = [], shapes = [];
+    const features = [], laid = [], shapes = [];
     for (let i = 0; i < 6; ++i) {
       const kind = i % 2 ? 'area' : 'line', line = Array.from({ length: 5 }, () => [40 * next(), 40 * next()]);
       if (kind === 'area') line.push(line[0]);
       features.push({ kind, style: { stroke_px: 2 } });
-      parts.push([flat(line)]);
+      laid.push({ outline: [flat(line)], rings: kind === 'area' ? [flat(line)] : [] });
       shapes.push(line);
     }
     // A pixel is half as high on the lattice as it is wide, and askew.
@@ -164,9 +164,76 @@ test('the feature at a place is the last of those that a plain reference finds',
     const det = right[0] * down[1] - right[1] * down[0];
     const onScreen = ([x, y]) => [((x - at[0]) * down[1] - (y - at[1]) * down[0]) / det, ((y - at[1]) * right[0] - (x - at[0]) * right[1]) / det];
     const hits = shapes.map((line, i) => Math.min(...line.slice(1).map((b, k) => distanceTo([0, 0], [...onScreen(line[k]), ...onScreen(b)]))) <= 5 + 1 || (i % 2 === 1 && isInside([line], at)));
-    assert.equal(find.featureAt(features, parts, pointed, 5), features[hits.lastIndexOf(true)] ?? null);
+    assert.equal(find.featureAt(features, laid, pointed, 5), features[hits.lastIndexOf(true)] ?? null);
   }
 });
+
+// A cube about a ball: places and back, with the faces side by side.
+const kSide = 1 << 20, kRad = Math.PI / 180;
+const cube = {
+  side: kSide,
+  at: (lon, lat) => {
+    const n = [Math.cos(lat * kRad) * Math.cos(lon * kRad), Math.cos(lat * kRad) * Math.sin(lon * kRad), Math.sin(lat * kRad)];
+    const axis = [0, 1, 2].reduce((best, k) => (Math.abs(n[k]) > Math.abs(n[best]) ? k : best), 0), half = (v) => 0.5 + (2 / Math.PI) * Math.atan(v / Math.abs(n[axis]));
+    const [u, v] = [half(n[(axis + 1) % 3]), half(n[(axis + 2) % 3])];
+    return [(2 * axis + (n[axis] < 0 ? 1 : 0) + Math.min(u, 1 - 1e-15)) * kSide, v * kSide];
+  },
+  placeOf: ([x, y]) => {
+    const face = Math.min(Math.floor(x / kSide), 5), axis = face >> 1, n = [0, 0, 0];
+    [n[axis], n[(axis + 1) % 3], n[(axis + 2) % 3]] = [face % 2 ? -1 : 1, ...[x / kSide - face, y / kSide].map((v) => Math.tan((Math.PI / 2) * (v - 0.5)))];
+    return [Math.atan2(n[1], n[0]) / kRad, Math.atan2(n[2], Math.hypot(n[0], n[1])) / kRad];
+  },
+};
+const made = (generator) => {
+  for (;;) {
+    const { done, value } = generator.next();
+    if (done) return value;
+  }
+};
+const drawn = async (next) => next(await sources.load('overlay/on_faces.ts'));
+
+test('over a globe a line is drawn along all of its way and nowhere else, on each face what is there', () => drawn(({ piecesOf, kBend }) => {
+  const next = random(5);
+  for (let round = 0; round < 40; ++round) {
+    const span = 10 ** (4 * next() - 2), line = [[360 * next() - 180, 160 * next() - 80]];
+    while (line.length < 6) line.push(line.at(-1).map((v, k) => (k ? Math.min(Math.max(v + span * (next() - 0.5), -89), 89) : v + 2 * span * (next() - 0.5))));
+    const pieces = made(piecesOf(cube, Float64Array.from(line.flat()))), reach = 1.5 * kBend * kSide;
+    for (const piece of pieces) assert.equal(new Set(piece.map(([x]) => Math.floor(x / kSide))).size, 1);
+    for (let i = 1; i < line.length; ++i)
+      for (let k = 0; k < 40; ++k) {
+        const share = next(), at = cube.at(...line[i].map((v, axis) => line[i - 1][axis] + share * (v - line[i - 1][axis])));
+        assert.ok(pieces.some((piece) => piece.some((b, j) => j > 0 && distanceTo(at, [...piece[j - 1], ...b]) <= reach)), `round ${round}: ${line[i]} at ${share}`);
+      }
+    const length = (piece) => piece.slice(1).reduce((sum, b, j) => sum + Math.hypot(b[0] - piece[j][0], b[1] - piece[j][1]), 0);
+    for (const piece of pieces)
+      for (let j = 1; j < piece.length; ++j) {
+        const [lon, lat] = cube.placeOf(piece[j].map((v, axis) => (v + piece[j - 1][axis]) / 2));
+        const apart = Math.min(...line.slice(1).flatMap((b, k) => [-720, -360, 0, 360, 720].map((turn) => distanceTo([lon + turn, lat], [...line[k], ...b]))));
+        assert.ok(apart * Math.cos(lat * kRad) < 3e-4, `round ${round}: ${lon}, ${lat} is ${apart} degrees off, of ${length(piece)}`);
+      }
+  }
+}));
+
+test('over a globe an area covers what lies in it by longitude and latitude, over edges, corners and poles', () => drawn(({ areaOf }) => {
+  const next = random(9), caps = [[[-180, -70], [180, -65], [180, -90], [-180, -90], [-180, -70]], [[-180, -90], [180, -90], [180, 90], [-180, 90], [-180, -90]]];
+  for (let round = 0; round < 60; ++round) {
+    const [lon, lat] = [360 * next() - 180, 140 * next() - 70], wide = 10 ** (2 * next() - 0.1), corners = 3 + Math.floor(6 * next());
+    const star = Array.from({ length: corners }, (_, i) => [Math.cos, Math.sin].map((f, k) => {
+      const v = (k ? lat : lon) + (k ? 1 : 2) * wide * (0.3 + next()) * f((2 * Math.PI * i) / corners);
+      return k ? Math.min(Math.max(v, -89.9), 89.9) : v;
+    }));
+    const rings = round < caps.length ? [caps[round]] : [[...star, star[0]], ...(round % 3 ? [] : [star.map(([x, y]) => [lon + (x - lon) / 3, lat + (y - lat) / 3])])];
+    const { rings: laid, outline } = made(areaOf(cube, rings.map((ring) => Float64Array.from(ring.flat()))));
+    for (const piece of outline) assert.equal(new Set(piece.map(([x]) => Math.floor(x / kSide))).size, 1);
+    for (let k = 0; k < 300; ++k) {
+      const place = k % 2 ? [360 * next() - 180, Math.asin(2 * next() - 1) / kRad] : [lon + 3 * wide * (next() - 0.5), Math.min(Math.max(lat + 3 * wide * (next() - 0.5), -89), 89)];
+      const turns = [-720, -360, 0, 360, 720].map((turn) => [place[0] + turn, place[1]]);
+      if (turns.some((at) => rings.some((ring) => ring.some((b, j) => distanceTo(at, [...ring.at(j - 1), ...b]) < 0.01)))) continue;
+      const at = cube.at(...place), own = laid.filter(([[x]]) => Math.floor(x / kSide) === Math.floor(at[0] / kSide));
+      assert.equal(isInside(own, at), turns.filter((turn) => isInside(rings, turn)).length % 2 === 1, `round ${round}: ${place}`);
+    }
+  }
+}));
 
 // Numbers from 0 to 1, of a seed.
 function random(seed) {

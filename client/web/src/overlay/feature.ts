@@ -22,6 +22,12 @@ export interface Feature {
 // Longitude and latitude of each place in degrees, one after another; in a planar scene easting and northing, m.
 export type Places = Float64Array<ArrayBuffer>;
 
+// A feature on a scene's lattice, as it is drawn, and found where it is clicked.
+export interface Laid {
+  outline: Places[]; // lines
+  rings: Places[]; // of an area; those of a globe's end at the sides of its faces, where there is no outline
+}
+
 export interface Overlay {
   name: string;
   features: Feature[];

@@ -1,5 +1,5 @@
 // Which feature lies at a place that was clicked. Pure.
-import type { Feature, Places } from './feature';
+import type { Feature, Laid, Places } from './feature';
 import { distanceTo, type Point } from './ground_grid';
 
 // A place on the lattice and how pixels of the screen follow from what is about it: a matrix by columns.
@@ -15,13 +15,13 @@ export function pointedAt(at: Point, right: Point, below: Point, step_px: number
   return { at, to_px: det === 0 ? [0, 0, 0, 0] : [d / det, -b / det, -c / det, a / det] };
 }
 
-// The last one, which is drawn above the others, whose line is at most `near_px` away or whose area is about the place. `parts` are those of
-// each feature on the lattice.
-export function featureAt(features: readonly Feature[], parts: readonly (readonly Places[])[], pointed: Pointed, near_px: number): Feature | null {
+// The last one, which is drawn above the others, whose line is at most `near_px` away or whose area is about the place. `laid` is each feature
+// on the lattice.
+export function featureAt(features: readonly Feature[], laid: readonly Laid[], pointed: Pointed, near_px: number): Feature | null {
   for (let i = features.length; i-- > 0;) {
-    const { kind, style } = features[i]!;
+    const { kind, style } = features[i]!, { outline, rings } = laid[i]!;
     if (kind === 'point') continue;
-    if (parts[i]!.some((part) => isNear(part, pointed, near_px + style.stroke_px / 2)) || (kind === 'area' && isAbout(parts[i]!, pointed.at))) return features[i]!;
+    if (outline.some((part) => isNear(part, pointed, near_px + style.stroke_px / 2)) || isAbout(rings, pointed.at)) return features[i]!;
   }
   return null;
 }

@@ -1,6 +1,8 @@
 // Features on a scene's lattice, where the ground is shaded.
 import type { MapPoint, Terrain } from '@foreland/client';
-import type { Feature, Places } from './feature';
+import type { Feature, Laid, Places } from './feature';
+import type { Point } from './ground_grid';
+import { areaOf, piecesOf, type Faces } from './on_faces';
 
 export function mapPointsOf(terrain: Terrain, places: Places): MapPoint[] {
   const is_geographic = terrain.scene.frame !== 'planar';
@@ -14,28 +16,46 @@ export function latticeOf(terrain: Terrain, place: MapPoint): readonly [number, 
   return terrain.place(terrain.toScene({ ...place, height: 0 }))!.lattice;
 }
 
-// The parts of each feature. A generator, for slices (slices.ts).
-export function* onLattice(terrain: Terrain, features: readonly Feature[]): Generator<void, Places[][]> {
-  const of_features: Places[][] = [];
-  for (const { parts } of features) {
-    const of_parts: Places[] = [];
-    for (const part of parts) {
-      const places = new Float64Array(part.length);
-      for (const [i, place] of mapPointsOf(terrain, part).entries()) {
-        places.set(latticeOf(terrain, place), 2 * i);
-        if (i % 128 === 127) yield;
-      }
-      of_parts.push(places);
-      yield;
-    }
-    of_features.push(of_parts);
-  }
+// Each feature's. A generator, for slices (slices.ts).
+export function* onLattice(terrain: Terrain, features: readonly Feature[]): Generator<void, Laid[]> {
+  const of_features: Laid[] = [], layOut = terrain.scene.frame === 'globe' ? onFaces : onPlane;
+  for (const feature of features) of_features.push(yield* layOut(terrain, feature));
   return of_features;
 }
 
-// Whether a box about some part meets the scene's data.
-export function isWithin(terrain: Terrain, of_features: readonly (readonly Places[])[]): boolean {
-  return of_features.some((parts) => parts.some((part) => terrain.scene.samples.every((count, axis) => {
+function* onPlane(terrain: Terrain, { kind, parts }: Feature): Generator<void, Laid> {
+  const laid: Places[] = [];
+  for (const part of parts) {
+    const places = new Float64Array(part.length);
+    for (const [i, place] of mapPointsOf(terrain, part).entries()) {
+      places.set(latticeOf(terrain, place), 2 * i);
+      if (i % 128 === 127) yield;
+    }
+    laid.push(places);
+    yield;
+  }
+  return { outline: laid, rings: kind === 'area' ? laid : [] };
+}
+
+function* onFaces(terrain: Terrain, { kind, parts }: Feature): Generator<void, Laid> {
+  const faces: Faces = { at: (lon, lat) => latticeOf(terrain, { lon, lat }), side: terrain.scene.samples[1] - 1 };
+  const { outline, rings } = kind === 'area' ? yield* areaOf(faces, parts) : { outline: yield* piecesOfAll(faces, parts), rings: [] };
+  return { outline: outline.map(flat), rings: rings.map(flat) };
+}
+function* piecesOfAll(faces: Faces, lines: readonly Places[]): Generator<void, Point[][]> {
+  const pieces: Point[][] = [];
+  for (const line of lines) pieces.push(...(yield* piecesOf(faces, line)));
+  return pieces;
+}
+function flat(points: readonly Point[]): Places {
+  const places = new Float64Array(2 * points.length);
+  points.forEach((point, i) => places.set(point, 2 * i));
+  return places;
+}
+
+// Whether a box about some line meets the scene's data.
+export function isWithin(terrain: Terrain, of_features: readonly Laid[]): boolean {
+  return of_features.some(({ outline }) => outline.some((part) => terrain.scene.samples.every((count, axis) => {
     let [low, high] = [Infinity, -Infinity];
     for (let i = axis; i < part.length; i += 2) [low, high] = [Math.min(low, part[i]!), Math.max(high, part[i]!)];
     return low < count && high >= 0;

@@ -4,7 +4,7 @@ import type { Terrain, Vector } from '@foreland/client';
 import { metNow } from '../cut/rays';
 import type { Mark } from '../draw/overlay_marks';
 import type { Picture } from '../draw/picture';
-import type { Feature, Overlay, Places } from '../overlay/feature';
+import type { Feature, Laid, Overlay } from '../overlay/feature';
 import { fetchOverlay, overlaysOfServer } from '../overlay/fetch_overlay';
 import { featureAt, pointedAt } from '../overlay/find_feature';
 import { inWorker } from '../overlay/in_worker';
@@ -30,7 +30,7 @@ export interface OverlayStage extends Stage {
 interface Shown {
   overlay: Overlay;
   is_shown: boolean;
-  parts: Places[][]; // of each feature, on the lattice
+  laid: Laid[]; // each feature, on the lattice
   marks: Mark[];
 }
 
@@ -72,9 +72,9 @@ export class OverlayControl {
     if (!terrain?.hasScene) throw new Error('There is no scene yet to lay it on.');
     const { frame, crs } = terrain.scene;
     const overlay = await inWorker('read', { name, bytes, map: { is_geographic: frame !== 'planar', crs } });
-    const parts = await runInSlices(onLattice(terrain, overlay.features));
-    if (!isWithin(terrain, parts)) throw new Error(await outsideText(terrain, overlay));
-    const shown: Shown = { overlay, is_shown: true, parts, marks: await marksOf(terrain, overlay) };
+    const laid = await runInSlices(onLattice(terrain, overlay.features));
+    if (!isWithin(terrain, laid)) throw new Error(await outsideText(terrain, overlay));
+    const shown: Shown = { overlay, is_shown: true, laid, marks: await marksOf(terrain, overlay) };
     const same = this.overlays.findIndex((other) => other.overlay.name === name);
     this.overlays.splice(same < 0 ? this.overlays.length : same, same < 0 ? 0 : 1, shown);
     try {
@@ -148,13 +148,13 @@ export class OverlayControl {
       if (mark) return cardOf(shown, mark.feature);
     }
     const placeAt = (at_x: number, at_y: number) => {
-      const met = picture.heldAt(at_x, at_y);
+      const drawn = picture.drawnAt(at_x, at_y)?.toArray(), met = drawn ? { point: drawn, is_wall: false } : picture.heldAt(at_x, at_y);
       return met && !met.is_wall ? terrain.place(met.point)?.lattice : null;
     };
     const [at, right, below] = [placeAt(x, y), placeAt(x + kStep_px, y), placeAt(x, y + kStep_px)];
     if (!at || !right || !below) return null;
     for (const shown of seen) {
-      const feature = featureAt(shown.overlay.features, shown.parts, pointedAt(at, right, below, kStep_px), kNear_px);
+      const feature = featureAt(shown.overlay.features, shown.laid, pointedAt(at, right, below, kStep_px), kNear_px);
       if (feature) return cardOf(shown, feature);
     }
     return null;
@@ -196,6 +196,11 @@ async function marksOf(terrain: Terrain, { features }: Overlay): Promise<Mark[]>
   return marks;
 }
 
-function shapesOf({ overlay, parts }: Shown): FlatShape[] {
-  return overlay.features.flatMap(({ kind, style }, feature): FlatShape[] => (kind === 'point' ? [] : [{ kind, style, feature, parts: parts[feature]! }]));
+function shapesOf({ overlay, laid }: Shown): FlatShape[] {
+  return overlay.features.flatMap(({ kind, style }, feature): FlatShape[] => {
+    const { outline, rings } = laid[feature]!;
+    if (kind === 'point') return [];
+    if (kind === 'line' || outline === rings) return [{ kind, style, feature, parts: outline }];
+    return [{ kind, style: { ...style, stroke_px: 0 }, feature, parts: rings }, { kind: 'line', style, feature, parts: outline }];
+  });
 }

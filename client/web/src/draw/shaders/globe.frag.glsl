@@ -1,5 +1,6 @@
 out vec4 o_colour;
 uniform float u_pixel_rad;  // how much a pixel sees
+uniform vec2 u_pivot;       // a whole position on the lattice near the eye
 
 // The share of a pixel that is water: by the ground's height above the sea, whose sign changes at the coast. The mesh knows it to the tolerance,
 // tiles of relief to half their step (8 m) and to what is inside a texel: so these decide where a pixel is wider. Level ground at 0 is the sea as
@@ -9,6 +10,11 @@ float waterShare(float height, float pixel_m) {
   float mesh_m = v_texture_coordinate.w - v_undulation, above_sea_m = mix(mesh_m, height - v_undulation, smoothstep(4.0, 8.0, pixel_m));
   if (max(abs(mesh_m), fwidth(mesh_m)) < kLevel_m) above_sea_m = -kLevel_m;
   return u_sea == 0 ? 0.0 : clamp(0.5 - above_sea_m / max(fwidth(above_sea_m), 1e-3), 0.0, 1.0);
+}
+
+// A position on the drawn face, which counts from that face's pivot, from the lattice's. Exact: both are whole.
+vec2 fromPivot(vec2 on_face) {
+  return on_face + (u_pivots[g_face] + vec2(float(g_face) * u_face_steps, 0.0) - u_pivot);
 }
 
 void main() {
@@ -21,7 +27,7 @@ void main() {
   if (water < 1.0) {
     float facing = max(-dot(ground.normal, direction), 0.12);
     float pixel_m = max(distance_m * u_pixel_rad / sqrt(facing), 1e-4);
-    vec3 albedo = withViewshed(withContours(albedoOf(ground.normal, ground.height, pixel_m, dx, dy), ground.height), v_lattice);
+    vec3 albedo = withViewshed(withContours(albedoOf(ground.normal, ground.height, pixel_m, dx, dy), ground.height), fromPivot(lattice));
     vec3 point = airPoint(v_from_eye);
     colour = throughAir(litByAir(albedo, ground.normal, point, ground.sunshine), point);
   }
@@ -30,5 +36,5 @@ void main() {
     if (sea_m < 0.0 || sea_m > distance_m) sea_m = distance_m;
     colour = mix(colour, seaSeen(direction, sea_m, under_m / max(-dot(direction, seaUp(direction * sea_m)), 0.02)), water);
   }
-  o_colour = vec4(withOverlay(toScreen(colour), v_lattice, dFdx(v_lattice), dFdy(v_lattice)), 1.0);
+  o_colour = vec4(withOverlay(toScreen(colour), fromPivot(lattice), dx, dy), 1.0);
 }
