@@ -1,7 +1,7 @@
 // The page over a globe, in headless Chromium against the real server. Every wait is for a condition.
 import assert from 'node:assert/strict';
 import { after, before, test } from 'node:test';
-import { fingersOf, makeFolder, makeGlobe, openBrowser, startServer, status, until, visitPage } from './support.mjs';
+import { dropFile, fingersOf, makeFolder, makeGlobe, openBrowser, startServer, status, until, visitPage } from './support.mjs';
 
 const kTest = { timeout: 280_000 };
 const kRadius = 6378137, kTan = Math.tan((27.5 * Math.PI) / 180);
@@ -61,7 +61,29 @@ test('the whole globe is seen at first, as large as it is, with air around it', 
     assert.ok(at(radius_px + 0.6) > 12, `air ${at(radius_px + 0.6)}`);
     assert.ok(at(1.3 * radius_px) < 3, `space ${at(1.3 * radius_px)}`);
     assert.equal(picture.data.length, 4 * kSize.width * kSize.height);
+    await checkArea(page, eye, [x, y], 0.8 * radius_px);
   }));
+
+// An area that is dropped covers what lies in it, over edges and corners of the cube, and nothing else.
+async function checkArea(page, eye, middle, reach_px) {
+  const placeOf = (v) => [Math.atan2(v[1], v[0]), Math.asin(v[2] / length(v))].map((angle) => (angle * 180) / Math.PI), [lon, lat] = placeOf(eye);
+  const low = [lon - 40, Math.max(lat - 30, -80)], high = [lon + 46, Math.min(lat + 20, 80)];
+  const ring = [low, [high[0], low[1]], high, [low[0], high[1]], low], style = { stroke: '#00ff00', 'stroke-width': 2, fill: '#00ff00', 'fill-opacity': 1 };
+  await dropFile(page, 'area.geojson', JSON.stringify({ type: 'Feature', properties: style, geometry: { type: 'Polygon', coordinates: [ring] } }));
+  await until(page, (s) => s.overlays_laid > 0);
+  await bare(page);
+  await untilDrawn(page);
+  const { data, width } = await framePixels(page), counts = [0, 0];
+  for (let i = 0; i < 120; ++i) {
+    const angle = 2.4 * i, r = reach_px * Math.sqrt((i + 0.5) / 120), [px, py] = [middle[0] + r * Math.cos(angle), middle[1] + r * Math.sin(angle)].map(Math.floor);
+    const place = placeOf(await groundAt(page, px + 0.5, py + 0.5)), turned = [lon + (((place[0] - lon + 540) % 360) - 180), place[1]];
+    const beside = Math.min(...turned.map((v, k) => Math.min(v - low[k], high[k] - v))), [red, green, blue] = data.slice(4 * (py * width + px), 4 * (py * width + px) + 3);
+    if (Math.abs(beside) < 3) continue;
+    assert.equal(green - Math.max(red, blue) > 200, beside > 0, `${place}: ${[red, green, blue]}`);
+    ++counts[beside > 0 ? 1 : 0];
+  }
+  assert.ok(Math.min(...counts) > 15, `${counts}`);
+}
 
 test('the ground that is grabbed stays under the pointer, and what the wheel nears does', kTest, () =>
   visit('fog=0', async (page) => {
