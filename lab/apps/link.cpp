@@ -14,6 +14,7 @@
 #include "apps/stop_signal.h"
 #include "base/result.h"
 #include "lab/proxy/proxy.h"
+#include "lab/proxy/shared_line.h"
 #include "server/net/steady_clock.h"
 
 namespace foreland {
@@ -26,6 +27,7 @@ struct LinkFlags {
   std::optional<double> round_trip_ms, jitter_ms, up_mbit_s, down_mbit_s, queue_kib, loss_percent, stall_every_s,
       stall_ms;
   uint64_t seed = 1;
+  bool is_shared = false;
 };
 
 int fail(const Error& error) {
@@ -50,6 +52,7 @@ void addOptions(CLI::App& app, LinkFlags& f) {
       ->check(apps::oneOf({"fixed", "wifi", "lte", "starlink", "geo"}))
       ->capture_default_str();
   app.add_option("--seed", f.seed, "of the links' chance")->type_name(apps::whole("S"))->capture_default_str();
+  app.add_flag("--shared", f.is_shared, "all connections together have one link, instead of one each");
   change("--round-trip", f.round_trip_ms, "MS", 0, 60'000, "milliseconds, half of it each way");
   change("--jitter", f.jitter_ms, "MS", 0, 60'000, "milliseconds at most, half of it each way");
   change("--up", f.up_mbit_s, "MBIT", 0, 100'000, "Mbit/s; 0 for no limit");
@@ -90,6 +93,7 @@ Result<sim::LinkPair> linksOf(const LinkFlags& f) {
   sim::LinkPair links = model->links();
   if (Status s = readTrace(f.trace_up, links.up); !s.ok()) return s.error();
   if (Status s = readTrace(f.trace_down, links.down); !s.ok()) return s.error();
+  if (f.is_shared) return sim::LinkPair{lab::sharedByAll(links.up, f.seed), lab::sharedByAll(links.down, f.seed + 1)};
   return links;
 }
 
