@@ -12,11 +12,14 @@ namespace {
 
 Error refusal(const std::string& name, ErrorCode code, const std::string& what) { return {code, name + ": " + what}; }
 
-// Of the nodes' records, the coarsest, which every view needs.
+// Of the nodes' records, the coarsest, which every view needs; no more than comes soon, for nobody is served before.
 uint64_t coarseBytes(const ChunkCache& cache, const SectionRange& nodes) {
   constexpr uint64_t kMost = uint64_t{4} << 20;
-  const ChunkCache::Counts counts = cache.counts();
-  return std::min({nodes.bytes, kMost, counts.capacity * cache.sums().chunk_bytes / 8});
+  constexpr double kSoon_s = 4;
+  const uint64_t chunk_bytes = cache.sums().chunk_bytes;
+  const double rate = cache.bytesPerSecond();
+  const uint64_t soon = rate > 0 ? static_cast<uint64_t>(std::min(kSoon_s * rate, static_cast<double>(kMost))) : kMost;
+  return std::min({nodes.bytes, std::max(soon, chunk_bytes), cache.counts().capacity * chunk_bytes / 8});
 }
 
 // All but finer nodes and the tiles' bytes, whose directory is before them.

@@ -21,9 +21,8 @@ namespace foreland::terrain {
 
 namespace {
 
-constexpr size_t kMostInRun = 16;                      // chunks that one read fetches
-constexpr uint64_t kMostRunBytes = uint64_t{1} << 20;  // likewise, but for a single chunk
-constexpr size_t kMostWishes = 256;                    // of one owner
+constexpr size_t kMostInRun = ReadPace::kMostChunks;  // chunks that one read fetches
+constexpr size_t kMostWishes = 256;                   // of one owner
 constexpr Duration kFirstPause = Duration::milliseconds(100), kLongestPause = Duration::milliseconds(5000);
 constexpr std::chrono::milliseconds kLookAgain{50};  // while what is wished for may not be tried yet
 
@@ -50,7 +49,7 @@ Result<std::shared_ptr<ChunkCache>> ChunkCache::create(SceneSums sums, std::shar
 }
 
 ChunkCache::ChunkCache(SceneSums sums, std::shared_ptr<RangeSource> source, ChunkCacheOptions options)
-    : sums_(std::move(sums)), source_(std::move(source)), options_(std::move(options)) {}
+    : sums_(std::move(sums)), source_(std::move(source)), options_(std::move(options)), pace_(sums_.chunk_bytes) {}
 
 Status ChunkCache::reserve() {
   if (sums_.sums.empty() || sums_.sums.size() > std::numeric_limits<Chunk>::max())
@@ -117,7 +116,8 @@ Status ChunkCache::keep(uint64_t offset, uint64_t bytes) {
       continue;
     }
     std::vector<Chunk> run;
-    while (chunk <= last && isAbsent(chunk) && (run.empty() || (run.size() + 1) * sums_.chunk_bytes <= kMostRunBytes))
+    while (chunk <= last && isAbsent(chunk) &&
+           (run.empty() || (run.size() + 1) * sums_.chunk_bytes <= ReadPace::kMostBytes))
       run.push_back(chunk++);
     const std::lock_guard lock(mutex_);
     if (kept_ + run.size() > (capacity_ + 1) / 2 || !makeRoom(run.size()))
@@ -126,7 +126,10 @@ Status ChunkCache::keep(uint64_t offset, uint64_t bytes) {
                    "half of " +
                        std::to_string((capacity_ * sums_.chunk_bytes) >> 20) +
                        " MiB; give it more (--store-cache-mib)"};
-    if (Status s = fetch(run); !s.ok()) return s;
+    const ReadPace::Read read = pace_.begin(bytesOf(run), now());
+    const Status status = fetch(run);
+    pace_.end(read, status.ok(), now());
+    if (!status.ok()) return status;
     for (const Chunk each : run) {
       arrived(each);
       CHECK_TRUE(hold(each));
@@ -162,10 +165,11 @@ void ChunkCache::Wishes::set(std::vector<Wish> wishes) {
   if (wants_any) cache_.changed_.notify_all();
 }
 
-// The chunk that is wished for most, then its wished neighbours on both sides.
+// The chunk that is wished for most, then its wished neighbours on both sides, as many as the store gives soon.
 std::vector<ChunkCache::Chunk> ChunkCache::choose() {
   const Time at = now();
-  if (store_.next > at) return {};
+  const size_t most = pace_.chunks();
+  if (most == 0 || store_.next > at) return {};
   const auto mayBeTried = [&](Chunk chunk) {
     if (!isAbsent(chunk) || in_flight_.contains(chunk)) return false;
     const auto failing = failing_.find(chunk);
@@ -182,7 +186,6 @@ std::vector<ChunkCache::Chunk> ChunkCache::choose() {
       if (const int64_t number = int64_t{wish.chunk} - int64_t{best->chunk} + int64_t{kMostInRun};
           number >= 0 && number < int64_t{2 * kMostInRun} && mayBeTried(wish.chunk))
         is_wished.set(static_cast<size_t>(number));
-  const size_t most = std::clamp<size_t>(static_cast<size_t>(kMostRunBytes / sums_.chunk_bytes), 1, kMostInRun);
   size_t begin = kMostInRun, end = kMostInRun + 1;
   while (end < is_wished.size() && is_wished[end] && end - begin < most) ++end;
   while (begin > 0 && is_wished[begin - 1] && end - begin < most) --begin;
@@ -234,16 +237,22 @@ bool ChunkCache::fetch() {
     return false;
   }
   in_flight_.insert(run.begin(), run.end());
+  const ReadPace::Read read = pace_.begin(bytesOf(run), now());
   lock.unlock();
   const Status status = fetch(run);
   lock.lock();
+  pace_.end(read, status.ok(), now());
   end(run, status);
   return true;
 }
 
+uint64_t ChunkCache::bytesOf(const std::vector<Chunk>& run) const {
+  return sums_.begin(run.back()) + sums_.bytesOf(run.back()) - sums_.begin(run.front());
+}
+
 // Reads chunks that follow one another and puts those in place that are sound.
 Status ChunkCache::fetch(const std::vector<Chunk>& run) {
-  const uint64_t begin = sums_.begin(run.front()), bytes = sums_.begin(run.back()) + sums_.bytesOf(run.back()) - begin;
+  const uint64_t begin = sums_.begin(run.front()), bytes = bytesOf(run);
   const auto read = source_->read(begin, bytes);
   if (!read) return read.error();
   if (read->size() != bytes)
@@ -325,6 +334,11 @@ void ChunkCache::run() {
       changed_.wait(lock);
     if (stops_) return;
   }
+}
+
+double ChunkCache::bytesPerSecond() const {
+  const std::lock_guard lock(mutex_);
+  return pace_.bytesPerSecond();
 }
 
 ChunkCache::Counts ChunkCache::counts() const {

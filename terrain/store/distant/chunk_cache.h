@@ -23,6 +23,7 @@
 #include "base/result.h"
 #include "base/time.h"
 #include "terrain/store/distant/range_source.h"
+#include "terrain/store/distant/read_pace.h"
 #include "terrain/store/distant/sums.h"
 
 namespace foreland::terrain {
@@ -30,7 +31,7 @@ namespace foreland::terrain {
 struct ChunkCacheOptions {
   uint64_t cache_bytes = uint64_t{1} << 30;  // rounded up to chunks
   std::filesystem::path folder;              // of the temporary file
-  std::function<Time()> now;                 // when a chunk that failed is tried again; without it, at once
+  std::function<Time()> now;  // when what failed is tried again, and how quick the store is; without it, at once, very
   std::function<void(const std::string&)> tell = [](const std::string&) {};  // that fetching fails, or works again
 };
 
@@ -90,13 +91,15 @@ class ChunkCache {
     std::list<std::vector<Wish>>::iterator at_;
   };
 
-  // Fetches the chunk that is wished for most and may be tried now, with wished neighbours. False if there is none, or
-  // no room.
+  // Fetches the chunk that is wished for most and may be tried now, with as many wished neighbours as the store gives
+  // soon (read_pace.h). False if there is none, no room, or enough is under way.
   bool fetch();
   // Starts threads that fetch until the cache is destroyed.
   void start(unsigned threads);
 
   Counts counts() const;
+  // Of the store, as measured; 0 before the first read.
+  double bytesPerSecond() const;
 
  private:
   static constexpr int32_t kAbsent = -1;
@@ -113,6 +116,7 @@ class ChunkCache {
   Status reserve();
   std::vector<Chunk> choose();
   bool makeRoom(size_t chunks);
+  uint64_t bytesOf(const std::vector<Chunk>& run) const;
   Status fetch(const std::vector<Chunk>& run);
   Status put(Chunk chunk, ByteSpan bytes);
   void arrived(Chunk chunk);
@@ -140,6 +144,7 @@ class ChunkCache {
   std::unordered_map<Chunk, Trouble> failing_;
   std::unordered_set<Chunk> in_flight_;  // for which there is room
   Trouble store_;                        // since the last read that succeeded
+  ReadPace pace_;
   uint64_t kept_ = 0;
   Counts counts_;
   bool stops_ = false;

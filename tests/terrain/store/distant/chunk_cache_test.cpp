@@ -193,6 +193,71 @@ TEST(ChunkCache, AsksADeadStoreLessAndLess) {
   EXPECT_EQ(told.back(), "the store answers again");
 }
 
+// A store that gives so many bytes a second, in virtual time.
+class SlowStore final : public terrain::RangeSource {
+ public:
+  SlowStore(std::shared_ptr<FarStore> store, double bytes_per_second)
+      : store_(std::move(store)), bytes_per_second_(bytes_per_second) {}
+  Result<Bytes> read(uint64_t offset, uint64_t bytes) override {
+    now = now + Duration::seconds(static_cast<double>(bytes) / bytes_per_second_);
+    return store_->read(offset, bytes);
+  }
+
+  Time now;
+
+ private:
+  const std::shared_ptr<FarStore> store_;
+  const double bytes_per_second_;
+};
+
+// How many chunks the first read brings after one chunk was kept, with all wished for.
+uint64_t firstRun(double bytes_per_second) {
+  const FarFile file(8, 60, 60);
+  const auto store = std::make_shared<SlowStore>(file.store, bytes_per_second);
+  auto made =
+      ChunkCache::create(*terrain::sumsOf(file.folder / "file", kChunk), store,
+                         {.cache_bytes = 60 * kChunk, .folder = file.folder.path(), .now = [&] { return store->now; }});
+  CHECK_TRUE(made.ok());
+  ChunkCache& cache = **made;
+  CHECK_TRUE(cache.keep(0, 1).ok());
+  EXPECT_NEAR(cache.bytesPerSecond(), bytes_per_second, 1e-3 * bytes_per_second);
+  ChunkCache::Wishes wishes(cache);
+  std::vector<ChunkCache::Wish> all;
+  for (uint32_t chunk = 1; chunk < 60; ++chunk) all.push_back({chunk, 1});
+  wishes.set(all);
+  EXPECT_TRUE(cache.fetch());
+  return cache.counts().fetched - 1;
+}
+
+TEST(ChunkCache, ReadsAsMuchAtATimeAsTheStoreGivesSoon) {
+  EXPECT_EQ(firstRun(1e3), 1u);
+  EXPECT_EQ(firstRun(4.096e6), terrain::ReadPace::kMostChunks);
+  const uint64_t between = firstRun(1e5);
+  EXPECT_GT(between, 1u);
+  EXPECT_LT(static_cast<double>(between * kChunk), 1e5);
+}
+
+TEST(ChunkCache, OpensASceneFromASlowStoreSoon) {
+  const TemporaryFolder folder;
+  FormulaSource source(257, 257, hills(3));
+  const auto path = folder / "scene.fls";
+  ASSERT_TRUE(terrain::buildScene(source, {.output = path, .height_quantum_m = 0.1, .threads = 1}).ok());
+  const Bytes sums = encode(*terrain::sumsOf(path, kChunk));
+  const auto opened = [&](double bytes_per_second) {
+    const auto store = std::make_shared<SlowStore>(std::make_shared<FarStore>(slurp(path)), bytes_per_second);
+    const auto scene = terrain::openDistant(
+        store, sums, "far",
+        {.cache_bytes = uint64_t{1} << 30, .folder = folder.path(), .now = [&] { return store->now; }});
+    CHECK_TRUE(scene.ok());
+    return std::pair((*scene)->supply()->cache().counts().fetched_bytes, store->now.toSeconds());
+  };
+  const auto [all, quick_s] = opened(1e9);
+  const auto [some, slow_s] = opened(2e4);
+  EXPECT_GT(all, 500'000u);
+  EXPECT_LT(some, all / 3);
+  EXPECT_LT(slow_s, 9);
+}
+
 // Lets reads fail together: none ends before so many are under way.
 class FailingTogether final : public terrain::RangeSource {
  public:
