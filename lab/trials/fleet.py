@@ -1,11 +1,15 @@
 #!/usr/bin/env python3
 """Servers of several scenes in a store behind deploy/haproxy-fleet.cfg, with viewers that come over a minute: by hashing, and by the fewest connections.
 
-    lab/trials/fleet.py SCENE.fls... [--servers 4] [--viewers 200] [--over 60] [--seconds 60] [--cache-mib 16] [--out FILE.json]
+    lab/trials/fleet.py SCENE.fls... [--servers 4] [--viewers 200] [--share 0.2] [--over 60] [--seconds 60] [--cache-mib 16] [--out FILE.json]
 
-Viewers are light ones (`foreland fly --viewers`), each flies over one scene. For each way: bytes that the servers fetch of the scenes, and how evenly
-processors are used: each server's processor time in five seconds, the largest over the mean, from when all have come until the first lands.
-Prints JSON; exits 1 if a viewer does not land. Programs are those of FORELAND_BIN (default build/release/bin).
+Viewers are light ones (`foreland fly --viewers`), each flies over one scene. --share is the part of a processor that each server may take (as root), so
+that a small machine is a fleet of slow ones: when viewers have come and flown for a while, the first server gets half of it.
+
+For each way: bytes that the servers fetch of the scenes, and how evenly processors are used: of each server's processor time in some seconds, as a
+part of what it may take, the largest over the mean. Prints JSON; exits 1 if a viewer does not land, or another law of the issue does not hold: the use is
+uneven (1.2) for more than 30 s after all have come, or after the first server got slow; or 1 in 100 viewers had no keyframe for over a second.
+Programs are those of FORELAND_BIN (default build/release/bin).
 """
 
 import argparse
@@ -19,10 +23,11 @@ import urllib.error
 import urllib.request
 from pathlib import Path
 
-from running import ROOT, Program, finish, foreland, free_port, metrics, nginx, port_of, say, scratch, until
+from running import ROOT, Program, Share, finish, foreland, free_port, metrics, nginx, port_of, say, scratch, until
 
 GROUP = 5  # viewers of a process
-WINDOW_S = 5
+STEP_S, WINDOW_S = 5, 10
+UNEVEN, PATIENCE_S, GAP_MS = 1.2, 30, 1000
 
 
 def parse():
@@ -31,7 +36,8 @@ def parse():
     parser.add_argument("--servers", type=int, default=4)
     parser.add_argument("--viewers", type=int, default=200)
     parser.add_argument("--over", type=float, default=60, help="seconds in which they come")
-    parser.add_argument("--seconds", type=int, default=60, help="that each flies when all have come")
+    parser.add_argument("--seconds", type=int, default=60, help="that each flies when all have come, and again when a server is slow")
+    parser.add_argument("--share", type=float, default=0, help="of a processor for each server; 0: no limit, and none gets slow")
     parser.add_argument("--cache-mib", type=int, default=16, help="of each scene at each server")
     parser.add_argument("--tau", default="2")
     parser.add_argument("--out")
@@ -47,8 +53,8 @@ def lay(scenes, folder):
 
 
 def configuration(way, servers):
-    """The shipped one, with servers by their addresses; leastconn for scenes, too, if that is the way."""
-    text = (ROOT / "deploy/haproxy-fleet.cfg").read_text()
+    """The shipped one, with servers by their addresses, and connections for which this machine's open files suffice; leastconn for scenes, too, if that is the way."""
+    text = re.sub(r"maxconn \d+", "maxconn 2000", (ROOT / "deploy/haproxy-fleet.cfg").read_text())
     lines = "\n  ".join(f"server s{i} 127.0.0.1:{port} agent-port {agent}" for i, (port, agent) in enumerate(servers))
     text = re.sub(r"server-template .*", lines, text)
     if way == "leastconn":
@@ -67,19 +73,51 @@ def is_led_to(address):
     return False
 
 
-def used(ports):
-    return [metrics(port)["process_cpu_seconds_total"] for port in ports]
+class Use:
+    """Of servers' processors, from when it is made."""
+
+    def __init__(self, ports, speeds):
+        self._ports, self._speeds, self._begin, self._seen = ports, speeds, time.monotonic(), [self._now(ports)]
+
+    @staticmethod
+    def _now(ports):
+        return time.monotonic(), [metrics(port)["process_cpu_seconds_total"] for port in ports]
+
+    def watch(self, seconds, flights):
+        """Largest over mean, and how long it took until that was even and stayed so; `speeds` are the parts of one that servers have."""
+        ratios, even_since = [], 0
+        while time.monotonic() < self._begin + seconds and all(flight.is_running() for flight in flights):
+            time.sleep(STEP_S)
+            self._seen.append(self._now(self._ports))
+            (_, before), (at, now) = self._seen[-1 - min(len(self._seen) - 1, WINDOW_S // STEP_S)], self._seen[-1]
+            gained = [(b - a) / speed for a, b, speed in zip(before, now, self._speeds)]
+            ratios.append(round(max(gained) * len(gained) / max(sum(gained), 1e-9), 2))
+            if ratios[-1] >= UNEVEN:
+                even_since = at - self._begin
+        return {"use_largest_over_mean": ratios, "even_after_s": round(even_since, 1),
+                "viewers_of_servers": [int(metrics(port)["flying"]) for port in self._ports], "load": [round(metrics(port)["pool_load"], 2) for port in self._ports]}
+
+
+def p99_of_gaps(reports):
+    """Of the longest gaps of processes' viewers: that which 1 in 100 processes exceeds, at most."""
+    gaps = sorted(report.get("longest_gap_ms", 1e9) for report in reports)
+    return round(gaps[min(len(gaps) - 1, -(-99 * len(gaps) // 100) - 1)], 1)
 
 
 def fly(options, way, folder, store):
     with contextlib.ExitStack() as stack:
         start = lambda *words, **more: stack.enter_context(Program(*words, **more))
-        servers = []
-        for _ in range(options.servers):
+        servers, shares = [], []
+        for i in range(options.servers):
             agent = free_port()
+            if options.share:
+                shares.append(stack.enter_context(Share(f"{way}-{i}")))
             server = start(foreland("serve"), *(f"http://127.0.0.1:{store}/{scene.name}" for scene in options.scenes), "--listen", "127.0.0.1:0",
                            "--agent-listen", f"127.0.0.1:{agent}", "--store-cache-mib", options.cache_mib, "--threads", "1", "--log-level", "off")
             servers.append((port_of(server.line()), agent))
+            if options.share:
+                shares[-1].set(options.share)
+                shares[-1].add(server)
         ports, door = [port for port, _ in servers], free_port()
         (folder / f"{way}.cfg").write_text(configuration(way, servers))
         start("/usr/sbin/haproxy", "-q", "-f", folder / f"{way}.cfg", env={"FORELAND_PUBLIC": f"127.0.0.1:{door}"})
@@ -87,35 +125,45 @@ def fly(options, way, folder, store):
             until(lambda: is_led_to(f"http://127.0.0.1:{door}/{scene.stem}/fly"), f"{scene.stem} behind HAProxy")
 
         groups, flights = max(1, options.viewers // GROUP), []
+        all_s = options.over + options.seconds * (2 if options.share else 1)
         begin = time.monotonic()
         for i in range(groups):
             time.sleep(max(0, begin + options.over * i / groups - time.monotonic()))
             scene = options.scenes[i % len(options.scenes)]
-            left = options.seconds + options.over - (time.monotonic() - begin)
+            left = all_s - (time.monotonic() - begin)
             flights.append(start(foreland("fly"), f"ws://127.0.0.1:{door}/{scene.stem}/", "--viewers", GROUP, "--tour", ("survey", "canyon")[i // len(options.scenes) % 2],
                                  "--seconds", round(left), "--tau", options.tau, "--viewport", "320x180", "--json"))
         until(lambda: sum(metrics(port)["flying"] for port in ports) >= 0.95 * groups * GROUP, "all viewers")
-        came_s, windows, before = time.monotonic() - begin, [], used(ports)
-        while time.monotonic() < begin + options.over + options.seconds - WINDOW_S and all(flight.is_running() for flight in flights):
-            time.sleep(WINDOW_S)
-            after = used(ports)
-            gained = [b - a for a, b in zip(before, after)]
-            windows.append(max(gained) * len(gained) / max(sum(gained), 1e-9))
-            before = after
-        counts = [metrics(port) for port in ports]
+        came_s, speeds = time.monotonic() - begin, [1] * len(ports)
+        found = {"come": Use(ports, speeds).watch(options.seconds - (came_s - options.over) - STEP_S, flights)}
+        if options.share:
+            shares[0].set(options.share / 2)
+            speeds[0] = 0.5
+            found["slowed"] = Use(ports, speeds).watch(options.seconds - STEP_S, flights)
         reports = [json.loads(output) if (output := flight.result()[1]).strip() else {} for flight in flights]
         last = [metrics(port) for port in ports]
     total = lambda key: sum(report.get(key, 0) for report in reports)
+    counted = lambda key: int(sum(count[key] for count in last))
     return {"viewers": groups * GROUP, "landed": total("landed"), "reconnected": total("resumed") + total("started_afresh"), "keyframes": total("keyframes"),
-            "late_keyframes": total("late_keyframes"), "longest_gap_p99_ms": max(report.get("longest_gap_p99_ms", 0) for report in reports),
-            "came_s": round(came_s, 1), "viewers_of_servers": [int(count["flying"]) for count in counts], "handed_over": int(sum(count["handed_over_total"] for count in last)),
-            "use_largest_over_mean": [round(window, 2) for window in windows], "fetched_bytes": int(sum(count["store_fetched_bytes_total"] for count in last)),
-            "evicted_chunks": int(sum(count["store_evicted_chunks_total"] for count in last)), "waiting": [int(count["store_lacking"]) for count in counts]}
+            "late_keyframes": total("late_keyframes"), "longest_gap_p99_ms": p99_of_gaps(reports), "came_s": round(came_s, 1), "handed_over": counted("handed_over_total"),
+            **found, "fetched_bytes": counted("store_fetched_bytes_total"), "evicted_chunks": counted("store_evicted_chunks_total")}
+
+
+def broken_by(report, way):
+    if report["landed"] != report["viewers"]:
+        yield f"{way}: {report['landed']} of {report['viewers']} viewers landed"
+    if way != "hash":
+        return  # to compare with
+    for phase in ("come", "slowed"):
+        if report.get(phase, {}).get("even_after_s", 0) > PATIENCE_S:
+            yield f"{way}, {phase}: the use was uneven for {report[phase]['even_after_s']} s"
+    if report["longest_gap_p99_ms"] > GAP_MS:
+        yield f"{way}: {report['longest_gap_p99_ms']} ms without a keyframe"
 
 
 def main():
     options = parse()
-    report = {"servers": options.servers, "scenes": len(options.scenes), "cache_mib": options.cache_mib, "over_s": options.over, "broken": []}
+    report = {"servers": options.servers, "scenes": len(options.scenes), "cache_mib": options.cache_mib, "over_s": options.over, "share": options.share, "broken": []}
     with scratch() as folder:
         lay(options.scenes, folder)
         store = free_port()
@@ -123,8 +171,7 @@ def main():
             for way in ("hash", "leastconn"):
                 say(way)
                 report[way] = fly(options, way, folder, store)
-                if report[way]["landed"] != report[way]["viewers"]:
-                    report["broken"].append(f"{way}: {report[way]['landed']} of {report[way]['viewers']} viewers landed")
+                report["broken"] += broken_by(report[way], way)
     finish(report, options.out)
 
 

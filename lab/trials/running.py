@@ -75,6 +75,36 @@ class Program(contextlib.AbstractContextManager):
                 file.close()
 
 
+class Share(contextlib.AbstractContextManager):
+    """A part of one processor for programs, by a control group of Linux's (cpu, version 1 or 2), which is theirs until they end. Needs root."""
+
+    PERIOD_US = 8000  # short, so that a small part of a processor is a slow one, and not one that comes and goes
+
+    def __init__(self, name):
+        self._is_first = Path("/sys/fs/cgroup/cpu").is_dir()
+        self._folder = Path("/sys/fs/cgroup/cpu" if self._is_first else "/sys/fs/cgroup") / f"foreland-{os.getpid()}-{name}"
+        self._folder.mkdir()
+
+    def add(self, program):
+        (self._folder / "cgroup.procs").write_text(str(program.id))
+
+    def set(self, part):
+        quota = round(part * self.PERIOD_US)
+        if self._is_first:
+            (self._folder / "cpu.cfs_period_us").write_text(str(self.PERIOD_US))
+            (self._folder / "cpu.cfs_quota_us").write_text(str(quota))
+        else:
+            (self._folder / "cpu.max").write_text(f"{quota} {self.PERIOD_US}")
+
+    def __exit__(self, *_):
+        until(self._is_gone, f"the end of {self._folder}")
+
+    def _is_gone(self):
+        with contextlib.suppress(OSError):
+            self._folder.rmdir()
+        return not self._folder.exists()
+
+
 def until(condition, what, patience_s=PATIENCE_S):
     """Waits until a condition holds, and returns its value."""
     end = time.monotonic() + patience_s
