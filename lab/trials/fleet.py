@@ -27,6 +27,7 @@ from running import ROOT, Program, Share, finish, foreland, free_port, metrics, 
 
 GROUP = 5  # viewers of a process
 STEP_S, WINDOW_S = 5, 10
+WAYS = ("hash", "leastconn")
 UNEVEN, PATIENCE_S, GAP_MS = 1.2, 30, 1000
 
 
@@ -40,6 +41,7 @@ def parse():
     parser.add_argument("--share", type=float, default=0, help="of a processor for each server; 0: no limit, and none gets slow")
     parser.add_argument("--cache-mib", type=int, default=16, help="of each scene at each server")
     parser.add_argument("--tau", default="2")
+    parser.add_argument("--ways", nargs="+", choices=WAYS, default=WAYS)
     parser.add_argument("--out")
     return parser.parse_args()
 
@@ -168,7 +170,7 @@ def main():
         lay(options.scenes, folder)
         store = free_port()
         with nginx(folder, store):
-            for way in ("hash", "leastconn"):
+            for way in options.ways:
                 say(way)
                 report[way] = fly(options, way, folder, store)
                 report["broken"] += broken_by(report[way], way)
