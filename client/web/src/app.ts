@@ -178,6 +178,7 @@ export class App {
 
   private enterScene(scene: Scene): void {
     const is_first = this.scene === null;
+    if (!is_first && scene.frame !== this.scene!.frame) return this.beginAnew(); // hands, shaders and light are those of the first
     notify(null);
     this.scene = scene;
     this.setPictureScene(scene);
@@ -195,6 +196,11 @@ export class App {
     this.kept_address.begin(queryText(this.addressHere()));
     void takeAddressed(this.files, this.address.tracks, (title, reason) => this.refuseFile(title, reason));
     void this.tools.overlays.open(this.address.overlays);
+  }
+
+  private beginAnew(): void {
+    this.picture.renderer.setAnimationLoop(null);
+    window.location.reload();
   }
 
   private goToPlace(place: PlaceView): void {

@@ -1,7 +1,7 @@
 // The page over a globe, in headless Chromium against the real server. Every wait is for a condition.
 import assert from 'node:assert/strict';
 import { after, before, test } from 'node:test';
-import { dropFile, fingersOf, makeFolder, makeGlobe, openBrowser, startServer, status, until, visitPage } from './support.mjs';
+import { dropFile, fingersOf, makeFolder, makeGlobe, makeScene, openBrowser, startServer, status, until, visitPage } from './support.mjs';
 
 const kTest = { timeout: 280_000 };
 const kRadius = 6378137, kTan = Math.tan((27.5 * Math.PI) / 180);
@@ -266,3 +266,14 @@ test('a point of the ground does not jitter, from a camera that is still and fro
     assert.ok(still[0][2] > 1e4 && Math.max(...spread) < 0.1, spread.join());
     assert.ok(jitter < 0.1, `${jitter}`);
   }, { width: 240, height: 180 }));
+
+test('a server that comes back with a map is entered anew', kTest, () =>
+  visit('fog=1', async (page) => {
+    await until(page, (s) => s.air);
+    const map = await makeScene(folder.folder, { size: 129 }), loaded = page.waitForEvent('load', { timeout: 0 }), { port } = server;
+    await server.stop();
+    server = await startServer(map, port);
+    await loaded;
+    const { air } = await until(page, (s) => s.triangles > 100 && s.frames > 2);
+    assert.equal(air, false);
+  }, { expected: /WebSocket|ERR_CONNECTION/ }));

@@ -36,14 +36,13 @@ export class Drape {
     const u = this.uniforms;
     if (!frame) return;
     u.u_gradient!.value.set(...frame.gradient_x, ...frame.gradient_y);
-    u.u_frame!.value = frame.frame_kind;
     u.u_geodetic_step!.value.set(frame.longitude_step, frame.latitude_step);
     u.u_origin_latitude!.value = frame.origin_latitude;
     u.u_ellipsoid!.value.set(frame.semi_major_m, frame.eccentricity_squared);
-    const { relief } = layers;
+    const { relief } = layers, kind = kFrameKinds[frame.frame_kind];
+    u.u_is_geographic!.value = kind === 'geographic';
     if (!relief) return;
     u.u_relief_code!.value.set(relief.low_m, relief.code_m);
-    const kind = kFrameKinds[frame.frame_kind];
     if (kind === 'globe') {
       u.u_relief_texel_m!.value = (0.5 * Math.PI * frame.semi_major_m) / relief.size[0];
       return;
@@ -130,7 +129,7 @@ function fill<T>(make: () => T): T[] {
 function slopeUniforms(): Record<string, THREE.IUniform> {
   return {
     u_gradient: { value: new THREE.Vector4() },
-    u_frame: { value: 0 },
+    u_is_geographic: { value: false },
     u_geodetic: { value: new THREE.Vector2() },
     u_geodetic_step: { value: new THREE.Vector2() },
     u_origin_latitude: { value: 0 },

@@ -58,9 +58,9 @@ export class TerrainMesh {
     this.contour_m = niceStep(relief_m / 60);
     this.max_moved_m = welcome.max_moved_m;
     this.uniforms.u_north!.value.set(...north);
-    const material = this.surface.material as THREE.Material;
-    if (!is_globe || material.defines?.GLOBE !== undefined) return;
-    material.defines = { ...material.defines, GLOBE: '' };
+    const material = this.surface.material as THREE.Material, { GLOBE, ...others } = material.defines ?? {};
+    if (is_globe === (GLOBE !== undefined)) return;
+    material.defines = is_globe ? { ...others, GLOBE: '' } : others;
     material.needsUpdate = true;
   }
 

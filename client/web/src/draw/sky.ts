@@ -5,7 +5,6 @@ import { kSkyFragment, kSkyVertex } from './shaders';
 
 export class Sky {
   readonly object: THREE.Mesh;
-  private readonly frame = { value: 0 };
   private readonly directions = new THREE.Matrix4();
 
   // `sun`: towards it; `up`: at the eye.
@@ -16,7 +15,7 @@ export class Sky {
       glslVersion: THREE.GLSL3,
       vertexShader: kSkyVertex,
       fragmentShader: kSkyFragment,
-      uniforms: { u_sun: { value: sun }, u_up: { value: up }, u_frame: this.frame, u_directions: { value: this.directions } },
+      uniforms: { u_sun: { value: sun }, u_up: { value: up }, u_directions: { value: this.directions } },
       depthTest: false,
       depthWrite: false,
     });
@@ -37,7 +36,9 @@ export class Sky {
   }
   // Over a globe it is black until then.
   setFrame(kind: FrameKind): void {
-    this.frame.value = kind === 'globe' ? 2 : 0;
+    const material = this.object.material as THREE.RawShaderMaterial;
+    material.defines = kind === 'globe' ? { GLOBE: '' } : {};
+    material.needsUpdate = true;
   }
   update(camera: THREE.PerspectiveCamera): void {
     this.directions.makeRotationFromQuaternion(camera.quaternion).multiply(camera.projectionMatrixInverse);

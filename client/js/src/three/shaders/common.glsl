@@ -1,13 +1,13 @@
-uniform vec3 u_sun;      // towards the sun whose shadows the relief has
-uniform vec3 u_up;       // away from the zero surface, at the eye
-uniform int u_frame;     // planar, geographic, globe
+uniform vec3 u_sun;            // towards the sun whose shadows the relief has
+uniform vec3 u_up;             // away from the zero surface, at the eye
+uniform bool u_is_geographic;  // planar or a globe otherwise
 // What only globes need is compiled for them alone: elsewhere it would cost a quarter of a frame on a processor that draws.
 #ifdef GLOBE
-#define IS_GLOBE (u_frame == 2)
+#define IS_GLOBE true
 #else
 #define IS_GLOBE false
 #endif
-uniform vec2 u_heights;  // lowest, highest ground
+uniform vec2 u_heights;        // lowest, highest ground
 
 // A sea's floor that no water covers, by its depth.
 vec3 floorColour(float depth_m) {

@@ -97,7 +97,7 @@ vec3 upAt(vec2 lattice) {
 #ifdef GLOBE
   return normalize(v_up);
 #endif
-  return u_frame == 1 ? geographicNormal(vec2(0.0), lattice) : vec3(0.0, 0.0, 1.0);
+  return u_is_geographic ? geographicNormal(vec2(0.0), lattice) : vec3(0.0, 0.0, 1.0);
 }
 
 vec3 slopeColour(float degrees) {

@@ -1,8 +1,6 @@
 in vec2 texture_coordinate;  // position on the lattice
 in float from_moved;         // metres upwards since the first epoch
 in float to_moved;
-uniform vec3 u_up;           // away from the zero surface, at the eye
-uniform int u_frame;         // planar, geographic, globe
 uniform vec3 u_from_middle;  // globe: of the mesh's origin
 uniform float u_round;       // globe: by which the axis is stretched, so that normals of its ellipsoid are those of a ball
 uniform vec2 u_pivot;        // a whole position near the eye

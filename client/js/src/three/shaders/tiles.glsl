@@ -143,7 +143,7 @@ Ground groundAt(vec3 mesh_normal, float mesh_height, vec2 lattice, vec2 dx, vec2
   Texel texel = findTexel(u_relief_pages, u_relief_levels, ivec2(u_relief_size), ivec2(pivot.xy), pivot.zw + lattice * u_relief_density, wanted);
   if (texel.opacity == 0.0) return ground;
   vec2 slopes = textureLod(u_relief, texel.at, texel.lod).xy;
-  vec3 normal = IS_GLOBE ? globeNormal(slopes, lattice) : u_frame == 1 ? geographicNormal(slopes, lattice) : planarNormal(slopes);
+  vec3 normal = IS_GLOBE ? globeNormal(slopes, lattice) : u_is_geographic ? geographicNormal(slopes, lattice) : planarNormal(slopes);
   vec4 bytes = textureLod(u_relief_ground, texel.at, texel.lod) * 255.0;
   vec2 heights = u_relief_code.x + u_relief_code.y * vec2(bytes.x + 256.0 * bytes.y, bytes.z + 256.0 * bytes.w);
   ground.normal = normalize(mix(mesh_normal, normal, texel.opacity));
