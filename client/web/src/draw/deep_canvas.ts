@@ -8,14 +8,17 @@ const kCopyVertex = 'precision highp float;\nin vec3 position;\nvoid main() { gl
 const kCopyFragment = 'precision highp float;\nuniform sampler2D u_picture;\nout vec4 o_colour;\nvoid main() { o_colour = texelFetch(u_picture, ivec2(gl_FragCoord.xy), 0); }';
 const kSamples = 4;
 
-// How the ground is drawn to be asked how far it is: bits of a float.
-const kPickFragment = 'precision highp float;\nprecision highp int;\nin vec3 v_from_eye;\nout vec4 o_colour;\nvoid main() { uint bits = floatBitsToUint(length(v_from_eye)); o_colour = vec4(float(bits & 255u), float((bits >> 8) & 255u), float((bits >> 16) & 255u), float(bits >> 24)) / 255.0; }';
+// How the ground is drawn to be asked how far it is from a point: bits of a float.
+const kPickFragment = 'precision highp float;\nprecision highp int;\nin vec3 v_from_eye;\nuniform vec3 u_from;\nout vec4 o_colour;\nvoid main() { uint bits = floatBitsToUint(length(v_from_eye - u_from)); o_colour = vec4(float(bits & 255u), float((bits >> 8) & 255u), float((bits >> 16) & 255u), float(bits >> 24)) / 255.0; }';
+const kPick_deg = 0.1, kAhead = new THREE.Vector3(0, 0, -1);
 
 export class DeepCanvas {
   private target: THREE.WebGLRenderTarget | null = null;
   private readonly pixel = new THREE.WebGLRenderTarget(1, 1, { depthTexture: new THREE.DepthTexture(1, 1, THREE.FloatType) });
   private readonly copy: THREE.Mesh;
   private readonly copy_camera = new THREE.OrthographicCamera();
+  private readonly pick_camera = new THREE.PerspectiveCamera(kPick_deg, 1);
+  private readonly pick_from = { value: new THREE.Vector3() }; // from the eye of what is drawn
   private pick_material: THREE.RawShaderMaterial | null = null;
   private readonly pick_scene = new THREE.Scene();
 
@@ -57,18 +60,21 @@ export class DeepCanvas {
     renderer.render(this.copy, this.copy_camera);
   }
 
-  // How far from the eye the ground is at a pixel of the canvas, metres; null beside it. `vertex` is a shader of its mesh.
-  distanceAt(ground: THREE.Object3D, camera: THREE.PerspectiveCamera, x: number, y: number, vertex: string, uniforms: Record<string, THREE.IUniform>): number | null {
-    const { renderer, pixel, pick_scene } = this, { parent } = ground, size = renderer.getDrawingBufferSize(kSize);
-    this.pick_material ??= shader(vertex, kPickFragment, uniforms);
-    const looking = camera.clone();
-    looking.setViewOffset(size.x, size.y, x, y, 1, 1);
-    looking.matrixWorldInverse.copy(camera.matrixWorldInverse);
+  // How far the ground that is drawn is from a point in a unit direction, metres; null where it is not met. `camera` draws it; `vertex` is a
+  // shader of its mesh.
+  distanceAlong(ground: THREE.Object3D, camera: THREE.PerspectiveCamera, from: THREE.Vector3, direction: THREE.Vector3, vertex: string, uniforms: Record<string, THREE.IUniform>): number | null {
+    const { renderer, pixel, pick_camera, pick_from, pick_scene } = this, { parent } = ground, { near, far } = camera;
+    this.pick_material ??= shader(vertex, kPickFragment, { ...uniforms, u_from: pick_from });
+    pick_from.value.subVectors(from, camera.position);
+    pick_camera.position.copy(from);
+    pick_camera.quaternion.setFromUnitVectors(kAhead, direction);
+    Object.assign(pick_camera, { near, far });
+    pick_camera.updateProjectionMatrix();
     pick_scene.overrideMaterial = this.pick_material;
     pick_scene.add(ground);
     renderer.setRenderTarget(pixel);
     renderer.clear();
-    renderer.render(pick_scene, looking);
+    renderer.render(pick_scene, pick_camera);
     const bytes = new Uint8Array(4);
     renderer.readRenderTargetPixels(pixel, 0, 0, 1, 1, bytes);
     renderer.setRenderTarget(null);

@@ -298,13 +298,14 @@ export class Picture {
   }
   // Of a globe: the ground or the sea that is drawn at a point of the window; null beside it.
   drawnAt(x: number, y: number): THREE.Vector3 | null {
-    const { deep, ground, camera, canvas } = this;
-    if (!deep || !ground || this.shownVersion === 0) return null;
-    const { left, top, width, height } = canvas.getBoundingClientRect();
-    const pixel = [((x - left) / width) * canvas.width - 0.5, ((y - top) / height) * canvas.height - 0.5] as const;
-    const direction = this.pointerAt(x, y).applyQuaternion(camera.quaternion);
-    const distances_m = [deep.distanceAt(ground, camera, ...pixel, kTerrainVertex, ground.uniforms), this.sea.distanceAlong(direction)].filter((distance_m) => distance_m !== null);
+    const { camera } = this, direction = this.pointerAt(x, y).applyQuaternion(camera.quaternion);
+    const distances_m = [this.groundDistance(camera.position, direction), this.sea.distanceAlong(direction)].filter((distance_m) => distance_m !== null);
     return distances_m.length === 0 ? null : direction.multiplyScalar(Math.min(...distances_m)).add(camera.position);
+  }
+  // Of a globe: how far the ground that is drawn now is from a point in a unit direction, metres; null where it is not met.
+  groundDistance(from: THREE.Vector3, direction: THREE.Vector3): number | null {
+    const { deep, ground, camera } = this;
+    return deep && ground && this.shownVersion > 0 ? deep.distanceAlong(ground, camera, from, direction, kTerrainVertex, ground.uniforms) : null;
   }
 
   // Of other scenes: what is met there of the ground that is held, and of a cut's wall; null beyond both.

@@ -7,10 +7,15 @@ import type { Picture } from '../draw/picture';
 
 // What the straight line through a point of the window meets first; null beyond the ground.
 export async function pickExactly(terrain: Terrain, picture: Picture, x: number, y: number, scene_time_ms: number): Promise<Vector | null> {
-  const is_globe = terrain.scene.frame === 'globe', { eye } = picture, direction = picture.directionAt(x, y), drawn = is_globe ? picture.drawnAt(x, y) : null;
-  const sea_m = is_globe ? picture.sea.distanceAlong(new Vector3(...direction)) : null;
+  const is_globe = terrain.scene.frame === 'globe', { eye } = picture, direction = picture.directionAt(x, y), way = new Vector3(...direction);
+  const pointAt = (distance_m: number) => eye.map((v, i) => v + distance_m * direction[i]!) as Vector;
+  const sea_m = is_globe ? picture.sea.distanceAlong(way) : null;
+  const drawn = () => {
+    const distance_m = picture.groundDistance(new Vector3(...eye), way);
+    return distance_m === null ? null : { point: pointAt(distance_m) };
+  };
   const [met] = await metExactly(terrain, picture.cut_view.shown, [wayAlong(terrain, eye, direction)], scene_time_ms)
-    .catch((error: unknown) => { if (is_globe) return [drawn && { point: drawn.toArray() }]; throw error; });
+    .catch((error: unknown) => { if (is_globe) return [drawn()]; throw error; });
   if (sea_m === null || (met && Math.hypot(...met.point.map((v, i) => v - eye[i]!)) < sea_m)) return met?.point ?? null;
-  return eye.map((v, i) => v + sea_m * direction[i]!) as Vector;
+  return pointAt(sea_m);
 }
