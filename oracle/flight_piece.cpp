@@ -22,9 +22,9 @@ FlightJudge::Drawn FlightJudge::drawn(const FlightPiece& piece, const proto::Pos
 void FlightJudge::judgeKeyframe(const FlightPiece& piece, FlightJudgement& found) {
   const client::KeyframeMesh& mesh = *piece.mesh;
   const Drawn camera = drawn(piece, mesh.to.pose, mesh.to.lens);
-  found.keyframe = oracle_.error(mesh, 1, camera.pose, camera.lens);
-  found.is_keyframe_over_tolerance =
-      found.keyframe->max_px > piece.exaggeration.finer * mesh.to.frameTolerance() + kSlack_px;
+  const double tolerance_px = piece.exaggeration.finer * mesh.to.frameTolerance();
+  found.keyframe = oracle_.error(mesh, 1, camera.pose, camera.lens, tolerance_px);
+  found.is_keyframe_over_tolerance = found.keyframe->max_px > tolerance_px + kSlack_px;
   if (!piece.keyframe->exact) return;
   const DrawnShare newest{.mesh = &mesh, .weight = 1}, exact{.mesh = piece.keyframe->exact->mesh(section_at_).get()};
   const Drawn wanted = drawn(piece, piece.keyframe->true_pose, piece.lens);
@@ -34,10 +34,11 @@ void FlightJudge::judgeKeyframe(const FlightPiece& piece, FlightJudgement& found
 void FlightJudge::judgeFrame(const FlightPiece& piece, FlightJudgement& found) {
   const FlightPiece::Frame& frame = *piece.shown;
   const Drawn camera = drawn(piece, frame.pose, piece.lens);
-  found.shown = oracle_.error(*piece.mesh, frame.weight, camera.pose, camera.lens);
+  const double tolerance_px = piece.exaggeration.finer * frame.tolerance_px;
+  found.shown = oracle_.error(*piece.mesh, frame.weight, camera.pose, camera.lens, tolerance_px);
   found.weight = frame.weight;
   found.is_outside = frame.is_outside;
-  found.is_over_tolerance = found.shown->max_px > piece.exaggeration.finer * frame.tolerance_px + kSlack_px;
+  found.is_over_tolerance = found.shown->max_px > tolerance_px + kSlack_px;
   if (frame.terms) measureTerms(piece, *frame.terms, found);
 }
 

@@ -39,10 +39,10 @@ std::vector<std::vector<double>> SceneOracle::poseShares() const {
 }
 
 SceneDeviation SceneOracle::error(const client::KeyframeMesh& mesh, double weight, const proto::Pose& pose,
-                                  const proto::Lens& lens) {
+                                  const proto::Lens& lens, double tolerance_px) {
   const DrawnShare drawn{.mesh = &mesh, .weight = weight};
   terrain_.showAt({mesh.from.scene_time, mesh.to.scene_time, weight, mesh.to.is_scene_step});
-  const Sight sight{is_seen_, mesh.to.frameTolerance()};
+  const Sight sight{is_seen_, tolerance_px};
   if (patchwork_) patchwork_->setSight(sight);
   terrain_.setSight(sight);
   SceneDeviation all{patchwork_ ? patchwork_->error(mesh, weight, pose, lens)

@@ -50,7 +50,7 @@ class SceneOracle {
     return other;
   }
 
-  // From now on errors above the mesh's tolerance count only where the true point is seen.
+  // From now on errors above a frame's tolerance count only where the true point is seen.
   void judgeOnlySeen(std::function<bool(const glm::dvec3& point, const glm::dvec3& eye)> is_seen) {
     is_seen_ = std::move(is_seen);
   }
@@ -62,9 +62,9 @@ class SceneOracle {
   }
   const Stretch& stretch() const { return stretch_; }
 
-  // What is drawn is mix(from, to, weight).
+  // What is drawn is mix(from, to, weight), within `tolerance_px`, as is promised.
   SceneDeviation error(const client::KeyframeMesh& mesh, double weight, const proto::Pose& pose,
-                       const proto::Lens& lens);
+                       const proto::Lens& lens, double tolerance_px);
   CrackReport findCracks(const client::KeyframeMesh& mesh, const proto::GridShape& shape) const;
 
   // Of two drawn surfaces of the terrain.

@@ -34,7 +34,7 @@ Result<AnimatedFlight> flyAnimated(const std::shared_ptr<const server::World>& w
   uint64_t frames = 0;
   flown.on_frame = [&](size_t, const client::FrameView& view, Time now) {
     if (now < client.path.start || frames++ % judge_every != 0 || std::isinf(view.tolerance_px)) return;
-    const double error_px = oracle->error(*view.mesh, view.weight, view.pose, options.lens).max_px;
+    const double error_px = oracle->error(*view.mesh, view.weight, view.pose, options.lens, view.tolerance_px).max_px;
     figures.max_error_px_frames = std::max(figures.max_error_px_frames, error_px);
     figures.frames_over_tau += error_px > view.tolerance_px + kStillSlack_px ? 1 : 0;
     ++figures.frames_judged;

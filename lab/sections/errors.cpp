@@ -73,7 +73,7 @@ class Replay {
   }
 
   oracle::SceneDeviation judge(const client::KeyframeMesh& mesh, double weight, const proto::Pose& pose) {
-    const oracle::SceneDeviation error = oracle_.error(mesh, weight, pose, options_.lens);
+    const oracle::SceneDeviation error = oracle_.error(mesh, weight, pose, options_.lens, options_.tau_px);
     errors_.object_vertices_judged += error.object_vertices;
     errors_.object_silhouette_error_px = std::max(errors_.object_silhouette_error_px, error.silhouette_px);
     errors_.object_interior_error_px = std::max(errors_.object_interior_error_px, error.interior_px);

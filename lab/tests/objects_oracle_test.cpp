@@ -119,14 +119,14 @@ TEST_F(ObjectsOracleTest, AMovedVertexRaisesTheErrorOfTheWholeScene) {
   const proto::Pose pose = path_.at(Time::seconds(2.2));
   oracle::SceneOracle whole(oracle::truthOf(scene()),
                             oracle::objectsTruth(hierarchy_.objects().set, hierarchy_.objects().nodes));
-  const oracle::SceneDeviation before = whole.error(mesh, 1, pose, kLens);
+  const oracle::SceneDeviation before = whole.error(mesh, 1, pose, kLens, 1);
   EXPECT_LE(before.max_px, 1.0);
   const glm::dvec3 aside = 20.0 * pose.right();
   mesh.objects.to_positions[seenVertex(mesh)] += glm::vec4(glm::vec3(aside), 0);
-  const oracle::SceneDeviation after = whole.error(mesh, 1, pose, kLens);
+  const oracle::SceneDeviation after = whole.error(mesh, 1, pose, kLens, 1);
   EXPECT_GT(after.max_px, before.max_px + 1);
   EXPECT_GT(std::max(after.silhouette_px, after.interior_px), 7.0);
-  EXPECT_LE(whole.error(mesh, 0, pose, kLens).max_px, before.max_px + 1);  // it is moved at the other end only
+  EXPECT_LE(whole.error(mesh, 0, pose, kLens, 1).max_px, before.max_px + 1);  // it is moved at the other end only
 }
 
 TEST_F(ObjectsOracleTest, AMissingTriangleIsACrackAndAHole) {

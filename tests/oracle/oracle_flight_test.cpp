@@ -75,10 +75,9 @@ TEST(Flight, TellsTheErrorsOfFramesOutsideOfRegionsApart) {
   EXPECT_EQ(truth.outside_max_px, truth.frames.max_px);
 }
 
-// A frame between two keyframes states the coarser one's tolerance, a keyframe its own.
-TEST(Flight, JudgesFramesAndKeyframesByWhatEachStates) {
+// A frame between two keyframes of a flight, with all that its judgement needs but a tolerance.
+FlightPiece pieceBetweenKeyframes() {
   const Flight flight = flown(tourOptions(proto::Strategy::kPredict));
-  SceneOracle oracle(truthOf(alps()));
   FlightPiece piece;
   piece.shape = alps()->grid().shape();
   piece.lens = flight.player.log().options.request.lens;
@@ -89,6 +88,13 @@ TEST(Flight, JudgesFramesAndKeyframesByWhatEachStates) {
     piece.shown->pose = player.view().pose;
     return false;
   });
+  return piece;
+}
+
+// A frame between two keyframes states the coarser one's tolerance, a keyframe its own.
+TEST(Flight, JudgesFramesAndKeyframesByWhatEachStates) {
+  SceneOracle oracle(truthOf(alps()));
+  FlightPiece piece = pieceBetweenKeyframes();
   ASSERT_TRUE(piece.mesh);
   const double error_px = FlightJudge(oracle, {}).judge(piece).shown->max_px;
   ASSERT_GT(error_px, 0.1);
@@ -107,6 +113,26 @@ TEST(Flight, JudgesFramesAndKeyframesByWhatEachStates) {
     mesh.to.tau_px = is_over ? 0.01f : 4.0f;
     piece.mesh = std::make_shared<client::KeyframeMesh>(mesh);
     EXPECT_EQ(FlightJudge(oracle, {}).judge(piece).is_keyframe_over_tolerance, is_over);
+  }
+}
+
+// What a frame states may be finer than its keyframes' tolerance, where its picture is smaller than theirs.
+TEST(Flight, CountsHiddenErrorsUpToWhatAFrameStates) {
+  SceneOracle oracle(truthOf(alps()));
+  FlightPiece piece = pieceBetweenKeyframes();
+  ASSERT_TRUE(piece.mesh);
+  const double error_px = FlightJudge(oracle, {}).judge(piece).shown->max_px;
+  client::KeyframeMesh mesh = *piece.mesh;
+  for (const double keyframe : {0.1, 1.0, 10.0}) {
+    mesh.to.tau_px = static_cast<float>(keyframe * error_px);
+    piece.mesh = std::make_shared<client::KeyframeMesh>(mesh);
+    piece.shown->tolerance_px = 0.5 * error_px;
+    oracle.judgeOnlySeen([](const glm::dvec3&, const glm::dvec3&) { return false; });
+    const FlightJudgement hidden = FlightJudge(oracle, {}).judge(piece);
+    EXPECT_FALSE(hidden.is_over_tolerance);
+    EXPECT_GT(hidden.shown->max_px, 0.9 * piece.shown->tolerance_px);
+    oracle.judgeOnlySeen([](const glm::dvec3&, const glm::dvec3&) { return true; });
+    EXPECT_TRUE(FlightJudge(oracle, {}).judge(piece).is_over_tolerance);
   }
 }
 

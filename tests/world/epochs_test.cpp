@@ -48,7 +48,7 @@ class Judge {
       jumps_ += moves && !mesh.to.is_scene_step ? 1 : 0;
     }
     if (frames_++ % 7 != 0 || std::isinf(view.tolerance_px)) return;
-    const oracle::SceneDeviation d = oracle_.error(mesh, view.weight, view.pose, lens);
+    const oracle::SceneDeviation d = oracle_.error(mesh, view.weight, view.pose, lens, mesh.to.frameTolerance());
     worst_ = std::max(worst_, d.max_px / view.tolerance_px);
     uncovered_ += d.uncovered;
     samples_ += d.samples;

@@ -90,7 +90,8 @@ Flown fly(const HiddenWorld& hidden, server::Occlusion occlusion, bool is_cut) {
   world.on_frame = [&](size_t, const client::FrameView& view, Time) {
     flown.hidden_objects = std::max(flown.hidden_objects, world.session(0).statistics().hidden_objects);
     if (flown.frames++ % 23 != 0 || std::isinf(view.tolerance_px)) return;
-    const oracle::SceneDeviation d = oracle.error(*view.mesh, view.weight, view.pose, options.request.lens);
+    const oracle::SceneDeviation d =
+        oracle.error(*view.mesh, view.weight, view.pose, options.request.lens, view.tolerance_px);
     flown.worst = std::max(flown.worst, d.max_px / view.tolerance_px);
     flown.samples += d.samples;
   };
