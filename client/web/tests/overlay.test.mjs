@@ -308,3 +308,20 @@ test('simplified lines stay within the tolerance of the whole ones', () => {
     for (const point of line) assert.ok(Math.min(...few.slice(1).map((b, k) => distanceTo(point, [...few[k], ...b]))) <= 2);
   }
 });
+
+// A line of 100,000 vertices would otherwise hold up the page for a tenth of a second.
+test('long lines come to the lattice in short steps', async () => {
+  const { onLattice } = await sources.load('overlay/on_lattice.ts'), numbers = Float64Array.from({ length: 20_000 }, (_, i) => 3 * i);
+  let read = 0, most = 0, step;
+  const part = new Proxy(numbers, { get: (target, key) => {
+    read += typeof key === 'string' && /^\d+$/.test(key) ? 1 : 0;
+    return Reflect.get(target, key);
+  } });
+  const terrain = { scene: { frame: 'planar' }, toScene: ({ easting, northing, height }) => [easting, northing, height], place: ([x, y]) => ({ lattice: [x / 3, y / 3] }) };
+  for (const work = onLattice(terrain, [{ kind: 'line', parts: [part] }]); !step?.done; read = 0) {
+    step = work.next();
+    most = Math.max(most, read);
+  }
+  assert.deepEqual([...step.value[0].outline[0]], Array.from(numbers, (_, i) => i));
+  assert.ok(most <= 256, `${most} numbers at once`);
+});

@@ -4,12 +4,14 @@ import type { Feature, Laid, Places } from './feature';
 import type { Point } from './ground_grid';
 import { areaOf, piecesOf, type Faces } from './on_faces';
 
+function mapPointAt(places: Places, i: number, is_geographic: boolean): MapPoint {
+  const [x, y] = [places[2 * i]!, places[2 * i + 1]!];
+  return is_geographic ? { lon: x, lat: y } : { easting: x, northing: y };
+}
+
 export function mapPointsOf(terrain: Terrain, places: Places): MapPoint[] {
   const is_geographic = terrain.scene.frame !== 'planar';
-  return Array.from({ length: places.length / 2 }, (_, i) => {
-    const [x, y] = [places[2 * i]!, places[2 * i + 1]!];
-    return is_geographic ? { lon: x, lat: y } : { easting: x, northing: y };
-  });
+  return Array.from({ length: places.length / 2 }, (_, i) => mapPointAt(places, i, is_geographic));
 }
 
 export function latticeOf(terrain: Terrain, place: MapPoint): readonly [number, number] {
@@ -24,11 +26,11 @@ export function* onLattice(terrain: Terrain, features: readonly Feature[]): Gene
 }
 
 function* onPlane(terrain: Terrain, { kind, parts }: Feature): Generator<void, Laid> {
-  const laid: Places[] = [];
+  const laid: Places[] = [], is_geographic = terrain.scene.frame !== 'planar';
   for (const part of parts) {
     const places = new Float64Array(part.length);
-    for (const [i, place] of mapPointsOf(terrain, part).entries()) {
-      places.set(latticeOf(terrain, place), 2 * i);
+    for (let i = 0; 2 * i < part.length; ++i) {
+      places.set(latticeOf(terrain, mapPointAt(part, i, is_geographic)), 2 * i);
       if (i % 128 === 127) yield;
     }
     laid.push(places);
