@@ -3,7 +3,8 @@
 //
 //   node lab/client/draped.mjs [--raster FILE] [--tour NAME] [--frames N] [--size WxH] [--tau PX] [--samples N] [--seed N] [--keep FOLDER]
 //
-// The page shows what is known a little late (strategy `delay`), so that a slow machine draws frames between keyframes as a fast one does. It tells of each frame its camera and the error that it states; what of the picture has the lines' colour is read of the canvas. The judge takes
+// The page shows what is known a little late (strategy `delay`), so that a slow machine draws frames between keyframes as a fast one does; where the
+// tour ends before there are enough of them, it is flown again. The page tells of each frame its camera and the error that it states; what of the picture has the lines' colour is read of the canvas. The judge takes
 // the camera and the raster, as GDAL reads it, and shares no code with what draws. The raster is to be on a map in metres. Prints JSON; exits 1 where a
 // sample is off by more than the frame states and a pixel, or where no sample is judged. Programs are those of FORELAND_BIN (default
 // build/release/bin), the page client/web/dist; python3 is to have NumPy and GDAL (PYTHON).
@@ -60,6 +61,32 @@ const judge = async (...args) => JSON.parse((await run(python, [join(here, 'drap
 await runForeland('build', values.raster, '-o', scene, '--vertical-step', `${kStep_m}`);
 const server = await startServer(scene), browser = await openBrowser();
 let is_right = false;
+
+// Frames of a tour, no more than are wanted, and how many stated nothing.
+async function flown(wanted, overlay) {
+  const { page, complaints, close } = await openPage(browser, { width, height });
+  await page.addInitScript(record, [wanted, 8]);
+  await page.goto(new URL(`?sharpness=1&tau=${values.tau}&tour=${values.tour}&strategy=delay&ground=plain&relief=0&imagery=0&fog=0&labels=0`, server.url).href);
+  await until(page, (s) => s.triangles > 500 && s.touring, null, kPatience_ms);
+  await dropFile(page, 'lines.geojson', overlay);
+  await until(page, (s) => s.overlays_laid > 0 && Number.isFinite(s.tau_px), null, kPatience_ms);
+  await page.evaluate(() => {
+    window.canvas = document.querySelector('#scene');
+    window.is_laid = true;
+  });
+  const kept = [];
+  while (kept.length < wanted) {
+    await page.waitForTimeout(2000);
+    const is_over = !(await page.evaluate(() => window.foreland.status().touring));
+    kept.push(...await page.evaluate((from) => window.kept.slice(from), kept.length));
+    if (complaints.length > 0) throw new Error(`The page complains: ${complaints.join('; ')}`);
+    if (is_over) break;
+  }
+  const unstated = await page.evaluate(() => window.unstated);
+  await close();
+  if (kept.length === 0) throw new Error('No frame of a whole tour states its error.');
+  return { kept, unstated };
+}
 try {
   // Where the scene's axes begin on the map: it is the map, moved.
   const terrain = await Terrain.open(server.url.href.replace('http', 'ws'), { lens: { fovY: 1, width: 320, height: 200 } });
@@ -67,29 +94,20 @@ try {
   terrain.close();
   if (easting === undefined) throw new Error(`${values.raster} is not on a map in metres.`);
   const lines = await judge('lines', values.raster, values.samples, values.seed), file = join(folder, 'frames.json');
-  const { page, complaints } = await openPage(browser, { width, height });
-  await page.addInitScript(record, [frames, 8]);
-  await page.goto(new URL(`?sharpness=1&tau=${values.tau}&tour=${values.tour}&strategy=delay&ground=plain&relief=0&imagery=0&fog=0&labels=0`, server.url).href);
-  await until(page, (s) => s.triangles > 500 && s.touring, null, kPatience_ms);
   const features = lines.map((line) => ({ type: 'Feature', properties: { stroke: '#ff00ff', 'stroke-width': kLine_px, 'stroke-opacity': 1 }, geometry: { type: 'LineString', coordinates: [line[0], line[line.length - 1]] } }));
-  await dropFile(page, 'lines.geojson', JSON.stringify({ type: 'FeatureCollection', crs: { type: 'name', properties: { name: crs } }, features }));
-  await until(page, (s) => s.overlays_laid > 0 && Number.isFinite(s.tau_px), null, kPatience_ms);
-  await page.evaluate(() => {
-    window.canvas = document.querySelector('#scene');
-    window.is_laid = true;
-  });
-  const kept = [];
-  for (const end = Date.now() + kPatience_ms; kept.length < frames; await page.waitForTimeout(2000)) {
-    kept.push(...await page.evaluate((from) => window.kept.slice(from), kept.length));
-    if (complaints.length > 0) throw new Error(`The page complains: ${complaints.join('; ')}`);
-    if (Date.now() > end || !(await page.evaluate(() => window.foreland.status().touring))) break;
+  const overlay = JSON.stringify({ type: 'FeatureCollection', crs: { type: 'name', properties: { name: crs } }, features }), kept = [];
+  let unstated = 0, flights = 0;
+  for (; kept.length < frames; ++flights) {
+    const flight = await flown(frames - kept.length, overlay);
+    kept.push(...flight.kept.map((frame) => ({ ...frame, mesh_version: `${flights}:${frame.mesh_version}` })));
+    unstated += flight.unstated;
+    console.error(`${kept.length} of ${frames} frames.`);
   }
-  const unstated = await page.evaluate(() => window.unstated);
   await writeFile(file, JSON.stringify({ origin: [easting, northing, above], fov_rad: (55 * Math.PI) / 180, line_px: kLine_px, lines, frames: kept }));
   if (values.keep) await copyFile(file, join(values.keep, 'frames.json'));
   const judged = await judge('judge', values.raster, file, values.samples, values.seed);
   is_right = kept.length === frames && judged.over === 0 && judged.places > 0;
-  console.log(JSON.stringify({ raster: values.raster, tour: values.tour, size: values.size, tau_px: Number(values.tau), is_right, frames_that_state_nothing: unstated, ...judged }, null, 2));
+  console.log(JSON.stringify({ raster: values.raster, tour: values.tour, size: values.size, tau_px: Number(values.tau), is_right, flights, frames_that_state_nothing: unstated, ...judged }, null, 2));
 } finally {
   await browser.close();
   await server.stop();
