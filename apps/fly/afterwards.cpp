@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
+#include <glm/geometric.hpp>
 #include <string>
 #include <utility>
 
@@ -10,6 +11,7 @@
 #include "apps/report/progress_line.h"
 #include "apps/stop_signal.h"
 #include "oracle/scene_truth.h"
+#include "server/sight/triangle_tree.h"
 #include "terrain/render/ray_caster.h"
 
 namespace foreland::apps {
@@ -83,9 +85,29 @@ Status Afterwards::checkScene(const client::Viewer& viewer) const {
                                                 "'); name that scene's file"};
 }
 
+namespace {
+
+// A globe whose ground lines of sight meet.
+struct Body {
+  explicit Body(std::shared_ptr<const terrain::Scene> scene) : hierarchy(std::move(scene)), ground(hierarchy) {}
+  server::Hierarchy hierarchy;
+  server::TriangleTree ground;
+};
+
+}  // namespace
+
 // Where what is hidden may be left out, only what is seen is judged: by rays on the scene at full resolution.
 void Afterwards::judgeOnlySeen() {
   constexpr double kGrazing_m = 0.05;  // more than floats round positions by
+  if (truth_->grid().isCube())
+    return oracle_->judgeOnlySeen(
+        [body = std::make_shared<const Body>(truth_)](const glm::dvec3& point, const glm::dvec3& eye) {
+          const double distance_m = glm::distance(point, eye);
+          if (distance_m <= kGrazing_m) return true;
+          const server::SightLine line(body->hierarchy.frame().transform(), eye, point, 0);
+          uint64_t work = 0;
+          return !body->ground.meet(line, server::TriangleTree::Wanted::kAny, 1 - kGrazing_m / distance_m, {}, work);
+        });
   auto rays = terrain::RayCaster::ofScene(truth_);
   if (!rays) return;
   const auto caster = std::make_shared<const terrain::RayCaster>(std::move(*rays));

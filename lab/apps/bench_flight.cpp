@@ -127,7 +127,7 @@ Result<PlannedFlight> planFlightOverPlane(const FlightArguments& args) {
     return Error{ErrorCode::kUnsupported,
                  args.scene +
                      ": a globe, and what is compared here are squares of a plane; over globes "
-                     "there are sections, keyframes, wire, client and load"};
+                     "there are sections, keyframes, wire, client, load, and occlusion with --judge 0"};
   return flight;
 }
 

@@ -16,8 +16,9 @@ CLI::App* addOcclusion(CLI::App& app, OcclusionArguments& args) {
       ->type_name(text("NAME"))
       ->check(oneOf({"path", "hold", "velocity", "acceleration", "double-exponential", "kalman"}))
       ->capture_default_str();
-  sub->add_option("--judge", args.judge.keyframes,
-                  "keyframes that rays judge beside the first, and frames between; 0: none but the costs")
+  sub->add_option(
+         "--judge", args.judge.keyframes,
+         "keyframes that rays judge beside the first, and frames between; 0: none but the costs, also over globes")
       ->type_name(whole("N"))
       ->check(within(0, 1000))
       ->capture_default_str();
@@ -36,7 +37,8 @@ CLI::App* addOcclusion(CLI::App& app, OcclusionArguments& args) {
 }
 
 Result<nlohmann::ordered_json> occlusion(const OcclusionArguments& args) {
-  auto flight = planFlightOverPlane(args.flight);
+  auto flight =
+      args.judge.keyframes == 0 && args.street_m == 0 ? planFlight(args.flight) : planFlightOverPlane(args.flight);
   if (!flight) return flight.error();
   const auto hierarchy = hierarchyOf(flight->scene);
   if (!hierarchy) return hierarchy.error();

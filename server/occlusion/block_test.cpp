@@ -31,23 +31,48 @@ bool BlockTest::isHidden(const proto::BlockId& block, const Tolerance& tolerance
 bool BlockTest::isBehind(const proto::BlockId& block, const Tolerance& tolerance, Horizon& horizon) const {
   static_assert(kSquares == 2);
   const uint32_t scale = block.scale, i = 2 * block.x, j = 2 * block.y;
-  if (scale < scene_.tops.finestScale()) return false;
-  if (scene_.tops.has(scale + 1, block.x, block.y) && isBehind(scale + 1, block.x, block.y, tolerance, horizon))
-    return true;
+  if (scene_.globe ? scene_.globe->squares.isAtSeam(block) : scale < scene_.tops.finestScale()) return false;
+  if (hasSquare(scale + 1, block.x, block.y) && isBehind(scale + 1, block.x, block.y, tolerance, horizon)) return true;
   for (const auto& [x, y] : {std::pair{i, j}, {i + 1, j}, {i, j + 1}, {i + 1, j + 1}})
-    if (scene_.tops.has(scale, x, y) && !isBehind(scale, x, y, tolerance, horizon)) return false;
-  return scene_.tops.has(scale, i, j);
+    if (hasSquare(scale, x, y) && !isBehind(scale, x, y, tolerance, horizon)) return false;
+  return hasSquare(scale, i, j);
+}
+
+// Of a block of a globe that lies within a face all squares do.
+bool BlockTest::hasSquare(uint32_t scale, uint32_t i, uint32_t j) const {
+  return scene_.globe || scene_.tops.has(scale, i, j);
 }
 
 bool BlockTest::isBehind(uint32_t scale, uint32_t i, uint32_t j, const Tolerance& tolerance, Horizon& horizon) const {
-  return isBehind(squareIn(scale, i, j), tolerance, horizon);
+  if (!scene_.globe) return isBehind(squareIn(scale, i, j), tolerance, horizon);
+  const auto hull = scene_.globe->squares.hullOf(scale, i, j);
+  return hull && isHullBehind(*hull, tolerance, horizon);
+}
+
+// In a box along the axes of the grid; not if lines to it are so steep that the grid has no room for what is drawn
+// (horizon.h).
+bool BlockTest::isHullBehind(const GlobeSquares::Hull& hull, const Tolerance& tolerance, Horizon& horizon) const {
+  const HorizonGrid& grid = horizon.grid();
+  glm::dvec3 low(std::numeric_limits<double>::infinity()), high = -low;
+  for (const glm::dvec3& corner : hull.corners) {
+    const glm::dvec3 p = grid.toAxes(corner);
+    low = glm::min(low, p), high = glm::max(high, p);
+  }
+  low -= hull.error_m, high += hull.error_m;
+  const Horizon::Square square{grid.toGrid(glm::dvec2(low)), grid.toGrid(glm::dvec2(high)), high.z, high.z,
+                               glm::dvec2(0)};
+  const double from_m = horizon.beginHeight(), size_m = glm::length(glm::dvec2(high - low)),
+               distance_m = glm::length(grid.toScene(square.low - horizon.begin())) - size_m - horizon.extent(),
+               drop_m = std::max(high.z - from_m, from_m - low.z) + horizon.extent();
+  return drop_m < distance_m && isBehind(square, tolerance, horizon);
 }
 
 bool BlockTest::isBehind(std::span<const glm::dvec3> points, const Tolerance& tolerance, Horizon& horizon) const {
   constexpr double kFar = std::numeric_limits<double>::infinity();
   Horizon::Square square{glm::dvec2(kFar), glm::dvec2(-kFar), -kFar, -kFar, glm::dvec2(0)};
-  for (const glm::dvec3& p : points) {
-    const glm::dvec2 at = scene_.grid->toGrid(glm::dvec2(p));
+  for (const glm::dvec3& point : points) {
+    const glm::dvec3 p = horizon.grid().toAxes(point);
+    const glm::dvec2 at = horizon.grid().toGrid(glm::dvec2(p));
     square.low = glm::min(square.low, at);
     square.high = glm::max(square.high, at);
     square.top_m = square.height_m = std::max(square.top_m, p.z);
@@ -70,13 +95,14 @@ std::array<glm::dvec3, 8> BlockTest::cornersOf(uint32_t scale, uint32_t i, uint3
 
 // By so much as the surface may be drawn lower, where the horizon is.
 bool BlockTest::isBehind(Horizon::Square s, const Tolerance& tolerance, Horizon& horizon) const {
-  const HorizonGrid& grid = *scene_.grid;
+  const HorizonGrid& grid = horizon.grid();
   const glm::dvec2 size = s.high - s.low;
-  const double spread = horizon.extent() + grid.metresOfStep() * std::max(size.x, size.y),
+  const double side = grid.isOverGlobe() ? glm::length(size) : std::max(size.x, size.y),
+               spread = horizon.extent() + grid.metresOfStep() * side,
                distance_m = glm::length(grid.toScene(s.low - horizon.begin()));
   if (distance_m < 2 * spread) return false;
   // A vertical error e is seen as f e h / d^2 at the horizontal distance h and the distance d.
-  const double drop = std::fabs(s.top_m - horizon.eyes().eye.z) + spread,
+  const double drop = std::fabs(s.top_m - horizon.beginHeight()) + spread,
                raise = tolerance.tau_px / tolerance.lens.focalPx() *
                        (distance_m + spread + drop * drop / (distance_m - spread));
   s.top_m += raise;

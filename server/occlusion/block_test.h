@@ -84,8 +84,10 @@ class BlockTest {
     double begin_m;           // ahead, where lines begin to count: beyond all eyes
   };
 
+  bool hasSquare(uint32_t scale, uint32_t i, uint32_t j) const;
   bool isBehind(uint32_t scale, uint32_t i, uint32_t j, const Tolerance& tolerance, Horizon& horizon) const;
   bool isBehind(Horizon::Square square, const Tolerance& tolerance, Horizon& horizon) const;
+  bool isHullBehind(const GlobeSquares::Hull& hull, const Tolerance& tolerance, Horizon& horizon) const;
   Horizon::Square squareIn(uint32_t scale, uint32_t i, uint32_t j) const;  // tops as they are
   bool collectSquares(const proto::BlockId& block, const glm::dvec3& eye);
   bool raiseEye(const Tolerance& tolerance, const EyeCapsule& eyes);

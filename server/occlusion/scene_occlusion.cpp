@@ -4,10 +4,24 @@
 
 namespace foreland::server {
 
+namespace {
+
+Result<std::shared_ptr<const SceneOcclusion>> ofGlobe(const Hierarchy& hierarchy, GlobeGrids::Building building) {
+  if (!hierarchy.epochs().epochs().empty())
+    return Error{
+        ErrorCode::kUnsupported,
+        "occlusion: what ridges hide is not known of globes whose ground moves; serve it with --occlusion off"};
+  SceneOcclusion scene{BlockTops(), nullptr, nullptr};
+  scene.globe = std::make_shared<SceneOcclusion::Globe>(hierarchy, building);
+  return std::make_shared<const SceneOcclusion>(std::move(scene));
+}
+
+}  // namespace
+
 Result<std::shared_ptr<const SceneOcclusion>> SceneOcclusion::create(const Hierarchy& hierarchy,
-                                                                     std::shared_ptr<const HorizonGrid> grid) {
-  if (hierarchy.grid().isCube())
-    return Error{ErrorCode::kUnsupported, "what ridges hide is not known of globes; serve it with --occlusion off"};
+                                                                     std::shared_ptr<const HorizonGrid> grid,
+                                                                     GlobeGrids::Building building) {
+  if (hierarchy.grid().isCube()) return ofGlobe(hierarchy, building);
   SceneOcclusion scene{BlockTops(hierarchy), std::move(grid), nullptr};
   if (!scene.grid) scene.grid = HorizonGrid::of(hierarchy);
   if (!scene.grid && hierarchy.scene().isSparse())

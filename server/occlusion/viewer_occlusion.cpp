@@ -53,9 +53,9 @@ ViewerOcclusion::ViewerOcclusion(const Hierarchy& hierarchy, const SceneOcclusio
       scene_(scene),
       test_(hierarchy, scene),
       options_(options),
+      grid_(scene.grid),
       spans_(intervals_, scene.grid.get(), PathSpans::kLasting),
-      object_spans_(intervals_, nullptr, PathSpans::kTight),
-      proofs_(hierarchy.grid()) {
+      object_spans_(intervals_, nullptr, PathSpans::kTight) {
   if (scene.objects) objects_.emplace(hierarchy.objects(), *scene.objects);
 }
 
@@ -70,6 +70,7 @@ void ViewerOcclusion::begin(const proto::View& view) {
   expectNumbered(eye_path_ ? std::move(*eye_path_) : restingIn(view, keyframe_));
   eye_path_.reset();
   if (has_new_lens) clearSpans();
+  if (scene_.globe) chooseGrid();
   spans_.revise(keyframe_);
   if (objects_) object_spans_.revise(keyframe_);
   if (spans_.bytes() > options_.horizon_bytes / 2) spans_.dropHorizons();
@@ -77,9 +78,23 @@ void ViewerOcclusion::begin(const proto::View& view) {
   if (has_new_lens || view.tau_px > tau_px_) {
     tau_px_ = (tau_px_ > 0 ? kSpareTau : 1) * view.tau_px;
     invalidateSpans();
+    if (scene_.globe) spans_.dropHorizons();  // whose bins are by the tolerance
   }
   if (keyframe_ % kUnusedKeyframes == 0) proofs_.forgetUnused(keyframe_ - kUnusedKeyframes);
   if (objects_) beginObjects();
+}
+
+void ViewerOcclusion::chooseGrid() {
+  auto grid = scene_.globe->grids.about(view_->pose.eye, grid_);
+  if (grid == grid_) return;
+  spans_.lookOver(grid.get());
+  grid_ = std::move(grid);
+}
+
+// Over globes bins must be so wide that the grid's heights have room for ground that is drawn elsewhere.
+double ViewerOcclusion::binTangent() const {
+  const double bin_px = grid_->isOverGlobe() ? std::max(kBin_px, Horizon::kBinOfTolerance * tau_px_) : kBin_px;
+  return bin_px / view_->lens.focalPx();
 }
 
 // Proofs keep numbers of intervals in 32 bits, but a client's clock may count from anywhere: Unix time in microseconds
@@ -88,7 +103,7 @@ void ViewerOcclusion::expectNumbered(PredictedEyePath eye_path) {
   constexpr int64_t kSpan = int64_t{1} << 30, kUnit = int64_t{1} << 16;
   if (eye_path.first < origin_ || eye_path.first - origin_ >= kSpan) {
     origin_ = eye_path.first & -kUnit;
-    proofs_ = BlockProofs(hierarchy_.grid());
+    proofs_ = BlockProofs();
     if (objects_) objects_->forget();
     clearSpans();
     invalidateSpans();
@@ -112,10 +127,10 @@ Tolerance ViewerOcclusion::toleranceFor(Towards towards) const {
   return {view_->lens, tau_px_ + (towards == Towards::kHidden ? kMargin_px : 0)};
 }
 
-// Null if there is no memory for one.
+// Null if there is no grid, or no memory for one.
 Horizon* ViewerOcclusion::horizonOf(PathSpan& span) {
-  if (horizon_bytes_ >= options_.horizon_bytes) return nullptr;
-  return &spans_.horizonOf(span, kBin_px / view_->lens.focalPx());
+  if (!grid_ || horizon_bytes_ >= options_.horizon_bytes) return nullptr;
+  return &spans_.horizonOf(span, binTangent());
 }
 
 // Counts what a test builds.
@@ -133,7 +148,7 @@ bool ViewerOcclusion::hides(PathSpan& span, const BlockId& block, Towards toward
   ++statistics_.tests;
   const Tolerance tolerance = toleranceFor(towards);
   bool is_hidden = false;
-  if (!scene_.grid) {
+  if (isByRays()) {
     is_hidden = test_.isHidden(block, tolerance, span.eyes, last_ray_ - std::min(last_ray_, test_.rayCount()));
     statistics_.rays = test_.rayCount();
   } else if (Horizon* const horizon = horizonOf(span)) {
@@ -178,7 +193,7 @@ void ViewerOcclusion::beginObjects() {
   const SpanProver::Law law{.worth = kWorthOfObject};
   ViewerObjects::Keyframe keyframe{*view_,     *frustum_, SpanProver(intervals_, object_spans_, law, keyframe_),
                                    intervals_, {},        {}};
-  if (scene_.grid)
+  if (!isByRays())
     keyframe.behind_ridge = [this](const PathSpan& span, std::span<const glm::dvec3> points, Towards towards) {
       return isBehindRidge(span, points, towards);
     };
@@ -196,7 +211,7 @@ bool ViewerOcclusion::isObjectHidden(size_t object, size_t nodes) {
 }
 
 SpanProver ViewerOcclusion::prover() {
-  const SpanProver::Law law{.worth = kWorth, .rest = scene_.grid ? 0 : kRayRest, .tries_last = scene_.grid != nullptr};
+  const SpanProver::Law law{.worth = kWorth, .rest = isByRays() ? kRayRest : 0, .tries_last = !isByRays()};
   return SpanProver(intervals_, spans_, law, keyframe_);
 }
 
@@ -219,10 +234,14 @@ void ViewerOcclusion::setEffort(Effort effort) {
 }
 
 void ViewerOcclusion::forget() {
-  proofs_ = BlockProofs(hierarchy_.grid());
+  proofs_ = BlockProofs();
   if (objects_) objects_->forget();
   clearSpans();
   spans_.dropHorizons();
+  if (scene_.globe) {
+    spans_.lookOver(nullptr);
+    grid_.reset();
+  }
   invalidateSpans();
   hidden_in_view_ = 0;
 }
@@ -292,6 +311,7 @@ uint32_t ViewerOcclusion::changes(const BlockId& lowest, uint32_t known, uint32_
 
 // Of a square of a scale (block_tops.h).
 ViewerOcclusion::InView ViewerOcclusion::inView(uint32_t scale, uint32_t i, uint32_t j) const {
+  if (scene_.globe) return globeInView(scale, i, j);
   const proto::GridTopology& grid = hierarchy_.grid();
   const auto range = hierarchy_.scene().heightRange();
   int32_t bottom = range.lowest, top = range.highest;
@@ -308,6 +328,22 @@ ViewerOcclusion::InView ViewerOcclusion::inView(uint32_t scale, uint32_t i, uint
   const glm::dvec3 middle = 0.5 * (low + high);
   const double radius =
       std::max(glm::distance(middle, low), glm::distance(middle, left)) * 1.1 + view_->region_radius_m;
+  return inView(middle, radius);
+}
+
+// What is no part of one face may be.
+ViewerOcclusion::InView ViewerOcclusion::globeInView(uint32_t scale, uint32_t i, uint32_t j) const {
+  const auto hull = scene_.globe->squares.hullOf(scale, i, j);
+  if (!hull) return InView::kPartly;
+  glm::dvec3 middle(0);
+  for (const glm::dvec3& corner : hull->corners) middle += 0.25 * corner;
+  double radius = 0;
+  for (const glm::dvec3& corner : hull->corners) radius = std::max(radius, glm::distance(middle, corner));
+  return inView(middle, radius + hull->error_m + view_->region_radius_m);
+}
+
+// Of a ball.
+ViewerOcclusion::InView ViewerOcclusion::inView(const glm::dvec3& middle, double radius) const {
   const glm::dvec3 p = middle - view_->pose.eye;
   const double inside = frustum_->sideDistance(frustum_->toView(p.x, p.y, p.z));
   return inside + radius < 0 ? InView::kNot : inside < radius ? InView::kPartly : InView::kWholly;

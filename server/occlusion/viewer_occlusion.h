@@ -10,6 +10,8 @@
 // visible.
 //
 // Blocks are tested against horizons (horizon.h), or against rays (block_test.h) in scenes without a grid for horizons.
+// Over globes the grid is one about the viewer's place (globe_grids.h): when the viewer gets another, horizons are made
+// anew, and proofs go on, for they tell of the ground; without one nothing more is proved.
 // Both are bounded by Options. While horizons take all of their bytes, no block is proved hidden. A keyframe that
 // begins with more than half of these bytes drops all horizons first, which costs time, but no proof.
 //
@@ -87,12 +89,17 @@ class ViewerOcclusion final : public proto::BlockVisibility, public ObjectVisibi
   size_t bytes() const;  // O(1)
 
  private:
+  void chooseGrid();
+  double binTangent() const;
+  bool isByRays() const { return !scene_.grid && !scene_.globe; }
   void expectNumbered(PredictedEyePath eye_path);
   void clearSpans();
   void invalidateSpans();
 
   enum class InView : uint8_t { kNot, kPartly, kWholly };
   InView inView(uint32_t scale, uint32_t i, uint32_t j) const;
+  InView globeInView(uint32_t scale, uint32_t i, uint32_t j) const;
+  InView inView(const glm::dvec3& middle, double radius) const;
   bool hides(PathSpan& span, const proto::BlockId& block, Towards towards);
   bool isBehindObject(const proto::BlockId& block, const EyeCapsule& eyes);
   bool isBehindObject(uint32_t scale, uint32_t i, uint32_t j, const EyeCapsule& eyes);
@@ -112,6 +119,7 @@ class ViewerOcclusion final : public proto::BlockVisibility, public ObjectVisibi
   const SceneOcclusion& scene_;
   BlockTest test_;
   Options options_;
+  std::shared_ptr<const HorizonGrid> grid_;  // null: none, or none yet
   std::optional<proto::View> view_;
   std::optional<proto::Frustum> frustum_;
   std::optional<PredictedEyePath> eye_path_;  // expect() said this of the next keyframe.

@@ -42,7 +42,9 @@ Result<std::shared_ptr<const World>> openWorld(std::shared_ptr<const terrain::Sc
                  "what ridges of a scene at a distance hide is not known, for most of it is not here; serve it without "
                  "--occlusion on, or copy it here"};
   if (occlusion != Occlusion::kOff && !world->hierarchy.scene().supply()) {
-    auto shared = SceneOcclusion::create(world->hierarchy, world->ground ? world->ground->grid : nullptr);
+    const auto building = sight.building == SightSupply::Building::kOnAThread ? GlobeGrids::Building::kOnAThread
+                                                                              : GlobeGrids::Building::kByTheCaller;
+    auto shared = SceneOcclusion::create(world->hierarchy, world->ground ? world->ground->grid : nullptr, building);
     if (!shared && occlusion == Occlusion::kOn) return shared.error();
     if (shared) world->occlusion = std::move(*shared);
   }

@@ -16,7 +16,7 @@
 
 namespace foreland::server {
 
-// How what is asked of what is seen is prepared.
+// How what is asked of what is seen is prepared, and what ridges of a globe hide.
 struct SightSetup {
   SightSupply::Building building = SightSupply::Building::kByTheCaller;
   SightOptions options{};

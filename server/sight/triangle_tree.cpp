@@ -4,17 +4,11 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
-#include "base/check.h"
 #include "server/sight/ground_surface.h"
 
 namespace foreland::server {
 
-using proto::NodeId;
-
 namespace {
-
-// What errors leave out (terrain/bounds/error.h), many times over.
-constexpr double kErrorPad_m = 1e-6;
 
 // The space around a line, in coordinates at right angles: metres along its chord, to the left, and above the way of
 // light. A chord may be upright, where those of SightLine::aside() are not at right angles.
@@ -112,39 +106,29 @@ class TriangleTree::Walk {
   uint64_t work_ = 0;
 };
 
-TriangleTree::TriangleTree(const Hierarchy& hierarchy)
-    : hierarchy_(hierarchy), nodes_(hierarchy.table()), side_(static_cast<int32_t>(hierarchy.grid().rootSize())) {
-  CHECK_TRUE(hierarchy.grid().isCube());
-}
+TriangleTree::TriangleTree(const Hierarchy& hierarchy) : hierarchy_(hierarchy), triangles_(hierarchy) {}
 
-TriangleTree::Vertex TriangleTree::base(uint32_t face, int32_t x, int32_t y, const proto::EpochWeights& time) const {
-  const proto::GridTopology& grid = hierarchy_.grid();
-  const NodeId v = grid.cube().name({face, x, y});
-  const double quanta = nodes_.height(v) + offsetAt(hierarchy_.epochs(), grid, v, time);
-  return {x, y, hierarchy_.frame().position(v, quanta)};
+TriangleTree::Vertex TriangleTree::placed(const GlobeTriangles::Vertex& v, const proto::EpochWeights& time) const {
+  const double quanta = v.height + offsetAt(hierarchy_.epochs(), hierarchy_.grid(), v.name, time);
+  return {v.x, v.y, hierarchy_.frame().position(v.name, quanta)};
 }
 
 std::optional<TriangleTree::Node> TriangleTree::halfway(uint32_t face, const Vertex& a, const Vertex& b, int level,
                                                         const proto::EpochWeights& time) const {
-  const int32_t x = a.x + b.x, y = a.y + b.y;
-  if (((x | y) & 1) != 0) return std::nullopt;
-  const proto::GridTopology& grid = hierarchy_.grid();
-  const NodeId v = grid.cube().name({face, x / 2, y / 2});
-  const proto::Slot slot = grid.slot(v, level);
-  if (!nodes_.hasPage(slot)) return std::nullopt;
-  const proto::NodeRecord& record = nodes_.at(slot);
-  const double quanta = record.height() + offsetAt(hierarchy_.epochs(), grid, v, time);
-  return Node{{x / 2, y / 2, hierarchy_.frame().position(v, quanta)}, record.error().metres() + kErrorPad_m};
+  const auto node = triangles_.halfway(face, a.x, a.y, b.x, b.y, level);
+  if (!node) return std::nullopt;
+  return Node{placed(node->vertex, time), node->error_m};
 }
 
 TriangleTree::Face TriangleTree::faceOf(uint32_t face, const proto::EpochWeights& time) const {
-  const auto at = [&](int32_t x, int32_t y) { return base(face, x, y, time); };
-  return {{at(0, 0), at(side_, 0), at(side_, side_), at(0, side_)}, at(side_ / 2, side_ / 2)};
+  const int32_t side = triangles_.side();
+  const auto at = [&](int32_t x, int32_t y) { return placed(triangles_.base(face, x, y), time); };
+  return {{at(0, 0), at(side, 0), at(side, side), at(0, side)}, at(side / 2, side / 2)};
 }
 
 std::optional<glm::dvec3> TriangleTree::pointAt(double lattice_x, double lattice_y,
                                                 const proto::EpochWeights& time) const {
-  const double side = side_;
+  const double side = triangles_.side();
   if (!(lattice_x >= 0 && lattice_y >= 0 && lattice_x <= side * proto::Cube::kFaces && lattice_y <= side))
     return std::nullopt;
   const uint32_t face = std::min(static_cast<uint32_t>(lattice_x / side), proto::Cube::kFaces - 1);

@@ -16,7 +16,7 @@
 #include <glm/vec3.hpp>
 #include <optional>
 
-#include "server/section/hierarchy.h"
+#include "server/section/globe_triangles.h"
 #include "server/sight/sight_line.h"
 
 namespace foreland::server {
@@ -48,7 +48,7 @@ class TriangleTree {
   };
   class Walk;
 
-  Vertex base(uint32_t face, int32_t x, int32_t y, const proto::EpochWeights& time) const;
+  Vertex placed(const GlobeTriangles::Vertex& vertex, const proto::EpochWeights& time) const;
   // Nothing if the triangle is of the finest there are.
   std::optional<Node> halfway(uint32_t face, const Vertex& a, const Vertex& b, int level,
                               const proto::EpochWeights& time) const;
@@ -60,8 +60,7 @@ class TriangleTree {
   Face faceOf(uint32_t face, const proto::EpochWeights& time) const;
 
   const Hierarchy& hierarchy_;
-  proto::DenseNodes nodes_;
-  int32_t side_;
+  GlobeTriangles triangles_;
 };
 
 }  // namespace foreland::server

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cmath>
+#include <functional>
 #include <glm/geometric.hpp>
 #include <memory>
 
@@ -33,16 +34,29 @@ inline double globeHills(uint64_t seed, const glm::dvec3& direction) {
   return metres;
 }
 
+using GlobeRelief = std::function<double(const glm::dvec3& direction)>;  // metres
+
+// Ridges and valleys about two kilometres apart, as high as mountains on a planet of 20 km can be; by direction.
+inline double globeRidges(uint64_t seed, const glm::dvec3& direction) {
+  Rng rng(seed);
+  double metres = 0;
+  for (int i = 0; i < 3; ++i) {
+    const glm::dvec3 wave(rng.uniform(-1, 1), rng.uniform(-1, 1), rng.uniform(-1, 1));
+    metres += 130 * std::sin(glm::dot(glm::normalize(wave), direction) * 60 + rng.uniform(0, 6.28));
+  }
+  return metres + 0.1 * globeHills(seed, direction);
+}
+
 // A file of a planet with faces of 2^face_log2 steps a side, whole but for so many of the finest levels, which are
 // there around one corner of the cube and one pole. Aborts the test on failure.
-inline std::filesystem::path globeFile(const TemporaryFolder& folder, uint32_t face_log2, uint64_t seed,
+inline std::filesystem::path globeFile(const TemporaryFolder& folder, uint32_t face_log2, const GlobeRelief& relief,
                                        uint32_t sparse_levels) {
   const proto::GridTopology grid =
       *proto::GridTopology::create(proto::GridTopology::cubeShape(face_log2, sparse_levels));
   const proto::Frame frame = makeGlobeFrame(face_log2);
   const proto::FrameGrid positions(frame, grid.maxX(), grid.maxY());
   const auto quanta = [&](proto::NodeId v) {
-    return static_cast<int32_t>(std::nearbyint(globeHills(seed, glm::normalize(positions.position(v, 0))) * 10));
+    return static_cast<int32_t>(std::nearbyint(relief(glm::normalize(positions.position(v, 0))) * 10));
   };
   std::vector<proto::Slot> deep;
   if (sparse_levels > 0) {
@@ -59,13 +73,24 @@ inline std::filesystem::path globeFile(const TemporaryFolder& folder, uint32_t f
   return file;
 }
 
+inline std::filesystem::path globeFile(const TemporaryFolder& folder, uint32_t face_log2, uint64_t seed,
+                                       uint32_t sparse_levels) {
+  return globeFile(
+      folder, face_log2, [seed](const glm::dvec3& direction) { return globeHills(seed, direction); }, sparse_levels);
+}
+
 // The scene of such a file, which has no name any more.
-inline std::shared_ptr<const terrain::Scene> makeGlobeScene(uint32_t face_log2, uint64_t seed,
+inline std::shared_ptr<const terrain::Scene> makeGlobeScene(uint32_t face_log2, const GlobeRelief& relief,
                                                             uint32_t sparse_levels = 0) {
   const TemporaryFolder folder;
-  const auto scene = terrain::Scene::open(globeFile(folder, face_log2, seed, sparse_levels));
+  const auto scene = terrain::Scene::open(globeFile(folder, face_log2, relief, sparse_levels));
   CHECK_TRUE(scene.ok());
   return *scene;
+}
+inline std::shared_ptr<const terrain::Scene> makeGlobeScene(uint32_t face_log2, uint64_t seed,
+                                                            uint32_t sparse_levels = 0) {
+  return makeGlobeScene(
+      face_log2, [seed](const glm::dvec3& direction) { return globeHills(seed, direction); }, sparse_levels);
 }
 
 }  // namespace foreland::test

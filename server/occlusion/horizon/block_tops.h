@@ -19,6 +19,7 @@ namespace foreland::server {
 
 class BlockTops {
  public:
+  BlockTops() = default;  // of nothing
   explicit BlockTops(const Hierarchy& hierarchy, size_t max_squares = 16u << 20);
 
   uint32_t finestScale() const { return finest_; }

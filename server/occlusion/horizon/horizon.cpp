@@ -17,9 +17,10 @@ void Horizon::look(const EyeCapsule& eyes, double bin) {
   eyes_ = eyes;
   bin_ = std::max(bin, HorizonSide::kMinBin);
   extent_m_ = glm::length(eyes.way) + 2 * eyes.radius_m;
-  eyes_in_grid_ = {grid_.toGrid(glm::dvec2(eyes.eye)), grid_.directionToGrid(glm::dvec2(eyes.way)),
-                   eyes.radius_m * grid_.stepsOfMetre(),
-                   eyes.eye.z + std::max(0.0, eyes.way.z) + eyes.radius_m + kRounding_m};
+  const glm::dvec3 eye = grid_.toAxes(eyes.eye), way = grid_.directionToAxes(eyes.way);
+  begin_m_ = eye.z;
+  eyes_in_grid_ = {grid_.toGrid(glm::dvec2(eye)), grid_.directionToGrid(glm::dvec2(way)),
+                   eyes.radius_m * grid_.stepsOfMetre(), eye.z + std::max(0.0, way.z) + eyes.radius_m + kRounding_m};
   for (HorizonSide& side : sides_) side.forget();
 }
 
@@ -70,6 +71,7 @@ bool Horizon::hides(const Square& square) {
   if (wedge.near < HorizonSide::kNearest || wedge.low < -HorizonSide::kMaxTangent ||
       wedge.high >= HorizonSide::kMaxTangent)
     return false;
+  if (grid_.isOverGlobe() && 2 * extent_m_ > wedge.near * grid_.metresOfStep()) return false;
   const uint32_t last = side.binOf(wedge.high);
   if (last >= side.binCount()) return false;
   for (uint32_t bin = side.binOf(wedge.low); bin <= last; ++bin) {

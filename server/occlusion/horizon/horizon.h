@@ -16,6 +16,18 @@
 //            eyes all points of the bin, farther away, for which P / D <= H / x, or for H > 0, P / D <= H / (x + depth).
 //   squares  The points p fill a square below a plane: P / D - c u is largest at one of its corners, whatever c is.
 //
+// Over globes ground is drawn up to e = tau d / f from where it is at the distance d, to any side, not only lower.
+// There the lines' heights are those of all ground within a spacing of each of their points (globe_heights.h), and
+// lines of a level count as far ahead as bins are no wider than its spacing:
+//
+//   where it is drawn   Let q be the nearest point of the line from E at which all ground within e is e above it. It lies in the body
+//                   that is drawn, or ground x drawn at y has passed q, so |x - q| > e(q): then x lies in a block that is
+//                   hidden. The hull of that block, which has all that is drawn of it, has q; but lines to hidden hulls meet such a
+//                   point before, which is nearer.
+//   how far         Lines that hide have slopes of 45 degrees at most (block_test.cpp) and tangents of 1.75 from the eye, whose
+//                   room is half of a square's distance at most: so d <= 2.85 (x + r), and e is less than a bin's width
+//                   if that is three tolerances.
+//
 // The largest of these slopes of all lines nearer than D (of some of them: those left out hide nothing) is kept for a
 // series of distances D, rounded down. A segment of 64 bins is built when it is asked for, as far ahead as that; a line
 // of the grid that is so near that the eyes' lines cross too many bins of it is left out.
@@ -42,6 +54,9 @@ class Horizon {
   // HorizonSide::kMinBin are made so wide, for a horizon has bins all around, however little of it a lens shows.
   void look(const EyeCapsule& eyes, double bin);
 
+  // How wide bins must be over globes for ground that is drawn so many pixels off; tolerances.
+  static constexpr double kBinOfTolerance = 3;
+
   // A square of the lattice, in steps of the grid. All that belongs to it lies below `top_m` and below a plane: metres,
   // in the middle and from there to the sides of larger x and y.
   struct Square {
@@ -53,7 +68,9 @@ class Horizon {
   // Whether no point of it is visible from any of the eyes; false if in doubt.
   bool hides(const Square& square);
 
+  const HorizonGrid& grid() const { return grid_; }
   const EyeCapsule& eyes() const { return eyes_; }
+  double beginHeight() const { return begin_m_; }                  // of the capsule, in the grid's axes; metres
   double bin() const { return bin_; }                              // 0 before look()
   const glm::dvec2& begin() const { return eyes_in_grid_.begin; }  // of the capsule, in steps
   double extent() const { return extent_m_; }                      // of the eyes, metres
@@ -68,7 +85,7 @@ class Horizon {
   const HorizonGrid& grid_;
   EyeCapsule eyes_;
   HorizonEyes eyes_in_grid_;
-  double bin_ = 0, extent_m_ = 0;
+  double bin_ = 0, extent_m_ = 0, begin_m_ = 0;
   std::array<HorizonSide, 4> sides_;
 };
 

@@ -82,11 +82,6 @@ std::vector<float> lowered(const Samples& samples, uint32_t stride, uint32_t col
   return most;
 }
 
-struct LevelHeights {
-  uint32_t columns, rows;
-  std::vector<float> heights_m;  // row by row
-};
-
 std::vector<LevelHeights> heightsOf(const Samples& samples, uint32_t stride) {
   std::vector<LevelHeights> levels;
   for (; (std::min(samples.columns, samples.rows) - 1) / stride + 1 >= kFewestVertices || levels.empty(); stride *= 2) {
@@ -207,6 +202,12 @@ HorizonGrid::HorizonGrid(const Hierarchy& hierarchy, const TangentHeights& heigh
   setAxes(glm::dmat2(heights.spacing_m), heights.low_m);
   quantum_m_ = geographic_->frame().height_quantum_m;
   highest_m_ = *std::max_element(heights.heights_m.begin(), heights.heights_m.end());
+}
+
+HorizonGrid::HorizonGrid(const GlobeHeights& heights) : plane_(heights.plane) {
+  std::tie(steps_, levels_) = levelsOf(heights.levels);
+  setAxes(glm::dmat2(heights.spacing_m), heights.low_m);
+  highest_m_ = std::ranges::max(heights.levels.front().heights_m);
 }
 
 std::shared_ptr<const HorizonGrid> HorizonGrid::of(const Hierarchy& hierarchy, size_t max_vertices) {

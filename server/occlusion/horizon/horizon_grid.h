@@ -8,8 +8,9 @@
 //
 // In planar frames the lattice is an affine image of the ground plane. In geographic ones of up to 200 km from the
 // middle the grid is a lattice of its own in the plane that touches the earth there, below the ground
-// (tangent_heights.h). Heights are kept in 65,536 steps between the least and the largest, rounded down. Immutable
-// after creation; any thread. Memory: 5.4 bytes a vertex of the finest level.
+// (tangent_heights.h). Over globes it is one about a place, in the plane that touches the globe there
+// (globe_heights.h), with room for ground that is drawn elsewhere. Heights are kept in 65,536 steps between the least
+// and the largest, rounded down. Immutable after creation; any thread. Memory: 5.4 bytes a vertex of the finest level.
 #pragma once
 
 #include <cstdint>
@@ -20,6 +21,7 @@
 #include <vector>
 
 #include "proto/imagery/tile.h"
+#include "server/occlusion/horizon/globe_heights.h"
 #include "server/occlusion/horizon/tangent_heights.h"
 #include "server/section/hierarchy.h"
 
@@ -50,6 +52,8 @@ class HorizonGrid {
   explicit HorizonGrid(const Hierarchy& hierarchy, size_t max_vertices = kMaxVertices);
   // Of any frame; nullptr if the scene extends too far over the earth. O(samples).
   static std::shared_ptr<const HorizonGrid> of(const Hierarchy& hierarchy, size_t max_vertices = kMaxVertices);
+  // Of a globe about a place.
+  explicit HorizonGrid(const GlobeHeights& heights);
 
   // Whether the grid's lines are the lattice's.
   static bool supports(const Hierarchy& hierarchy) {
@@ -58,11 +62,15 @@ class HorizonGrid {
 
   const std::vector<Level>& levels() const { return levels_; }
   const Steps& steps() const { return steps_; }
-  // Steps of the finest level, and the horizontal scene position of them.
+  // Steps of the finest level, and the horizontal position of them in these axes.
   glm::dvec2 toGrid(const glm::dvec2& scene_m) const { return to_grid_ * (scene_m - origin_m_); }
   glm::dvec2 directionToGrid(const glm::dvec2& scene_m) const { return to_grid_ * scene_m; }
   glm::dvec2 toScene(const glm::dvec2& direction) const { return to_scene_ * direction; }
-  bool isLattice() const { return !geographic_; }         // its lines are the lattice's
+  bool isLattice() const { return !geographic_ && !plane_; }  // its lines are the lattice's
+  bool isOverGlobe() const { return plane_.has_value(); }
+  // Of a position or a vector of the scene, in the axes of the grid: the scene's own, but over globes.
+  glm::dvec3 toAxes(const glm::dvec3& scene_m) const { return plane_ ? plane_->point(scene_m) : scene_m; }
+  glm::dvec3 directionToAxes(const glm::dvec3& scene_m) const { return plane_ ? plane_->direction(scene_m) : scene_m; }
   double stepsOfSample() const { return 1.0 / stride_; }  // of a lattice
   // What holds all ground of a box of the lattice between two heights: in steps, and up to a height of the scene.
   struct Bounds {
@@ -86,6 +94,7 @@ class HorizonGrid {
   Bounds boundsAbout(const glm::dvec3& low, const glm::dvec3& high) const;
 
   std::optional<proto::FrameTransform> geographic_;  // of geographic frames
+  std::optional<LocalPlane> plane_;                  // of globes
   uint32_t stride_ = 1;                              // samples a step
   glm::dmat2 to_grid_{1}, to_scene_{1};              // of vectors; in steps
   glm::dvec2 origin_m_{0};                           // of sample (0, 0)

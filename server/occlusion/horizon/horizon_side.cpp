@@ -54,10 +54,11 @@ void HorizonSide::findLines() {
   const auto& levels = grid_->levels();
   const auto along = static_cast<size_t>(along_);
   const double first = std::max(std::floor(reference_.x) + 1, sign_ > 0 ? 0.0 : 1.0 - levels[0].lines[along]);
+  // Over globes heights have room for what bins are wide where the farthest eyes see the line.
+  const double from = reference_.x - (grid_->isOverGlobe() ? depth_ : 0);
   uint32_t level = 0;
   for (auto line = static_cast<int64_t>(first);;) {
-    while (level < levels.size() &&
-           (static_cast<double>(line) - reference_.x) * bin_ > HorizonLine::kMaxStep * (1u << level))
+    while (level < levels.size() && (static_cast<double>(line) - from) * bin_ > HorizonLine::kMaxStep * (1u << level))
       ++level;
     if (level == levels.size()) return;
     const int64_t size = int64_t{1} << level;
@@ -65,7 +66,7 @@ void HorizonSide::findLines() {
     const int64_t number = (sign_ > 0 ? line : -line) >> level;
     if (number < 0 || number >= levels[level].lines[along]) return;
     const double ahead = static_cast<double>(line) - reference_.x;
-    if (ahead * bin_ <= HorizonLine::kMaxStep * static_cast<double>(size))
+    if ((static_cast<double>(line) - from) * bin_ <= HorizonLine::kMaxStep * static_cast<double>(size))
       lines_.push_back({level, static_cast<uint32_t>(number), static_cast<float>(ahead)});
     line += std::max<int64_t>(1, static_cast<int64_t>(kLineStep * ahead) >> level) << level;
   }

@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "proto/space/geographic_tables.h"
+#include "server/occlusion/horizon/lowest_cells.h"
 #include "server/section/height_bounds.h"
 #include "terrain/store/flat_squares.h"
 
@@ -21,7 +22,7 @@ constexpr double kFinest = 0.25;           // of the samples' spacing
 constexpr double kCoarse = 1.2;            // the same, from which on corners will do
 constexpr double kFloatRounding_m = 0.01;  // of heights as floats
 
-using Corners = std::array<glm::dvec3, 3>;
+using Corners = LowestCells::Corners;
 
 class Ground {
  public:
@@ -70,72 +71,12 @@ Inside insideOf(const Ground& ground) {
   return inside;
 }
 
-// The lowest ground of each cell between vertices.
-class Cells {
- public:
-  explicit Cells(const TangentHeights& lattice)
-      : lattice_(lattice),
-        columns_(lattice.columns - 1),
-        rows_(lattice.rows - 1),
-        lowest_(size_t{columns_} * rows_, std::numeric_limits<float>::infinity()) {}
-  double spacing() const { return lattice_.spacing_m; }
-
-  // Within a triangle's corners, and above its plane.
-  void include(const Corners& corners) {
-    const glm::dvec3 low = glm::min(glm::min(corners[0], corners[1]), corners[2]),
-                     high = glm::max(glm::max(corners[0], corners[1]), corners[2]);
-    const glm::dvec3 normal = glm::cross(corners[1] - corners[0], corners[2] - corners[0]);
-    if (std::fabs(normal.z) < 1e-3 * glm::length(normal)) return include(low, high);  // too steep
-    const glm::dvec2 rise = -glm::dvec2(normal) / normal.z;
-    const double within = 0.5 * lattice_.spacing_m * (std::fabs(rise.x) + std::fabs(rise.y));
-    forEachCell(low, high, [&](const glm::dvec2& middle) {
-      return std::max(low.z, corners[0].z + glm::dot(rise, middle - glm::dvec2(corners[0])) - within);
-    });
-  }
-  // Within a box.
-  void include(const glm::dvec3& low, const glm::dvec3& high) {
-    forEachCell(low, high, [&](const glm::dvec2&) { return low.z; });
-  }
-
-  float lowestAbout(uint32_t i, uint32_t j) const {
-    float lowest = std::numeric_limits<float>::infinity();
-    for (uint32_t y = std::max(j, 1u) - 1; y <= std::min(j, rows_ - 1); ++y)
-      for (uint32_t x = std::max(i, 1u) - 1; x <= std::min(i, columns_ - 1); ++x) lowest = std::min(lowest, of(x, y));
-    return lowest;
-  }
-
- private:
-  // That the box from `low` to `high` may lie over; `boundOver` takes the middle of a cell.
-  template <class Bound>
-  void forEachCell(const glm::dvec3& low, const glm::dvec3& high, const Bound& boundOver) {
-    const glm::dvec2 first = glm::floor((glm::dvec2(low) - lattice_.low_m) / lattice_.spacing_m),
-                     last = glm::floor((glm::dvec2(high) - lattice_.low_m) / lattice_.spacing_m);
-    if (last.x < 0 || last.y < 0 || first.x >= columns_ || first.y >= rows_) return;
-    const glm::uvec2 begin(glm::max(first, glm::dvec2(0))), end(glm::min(last, glm::dvec2(columns_ - 1, rows_ - 1)));
-    for (uint32_t j = begin.y; j <= end.y; ++j)
-      for (uint32_t i = begin.x; i <= end.x; ++i) {
-        const glm::dvec2 middle = lattice_.low_m + (glm::dvec2(i, j) + 0.5) * lattice_.spacing_m;
-        float& lowest = lowest_[size_t{j} * columns_ + i];
-        lowest = std::min(lowest, static_cast<float>(boundOver(middle)));
-      }
-  }
-  float of(uint32_t i, uint32_t j) const {
-    constexpr float kNothing_m = -1e6f;  // where there is no ground
-    const float lowest = lowest_[size_t{j} * columns_ + i];
-    return std::isinf(lowest) ? kNothing_m : lowest;
-  }
-
-  const TangentHeights& lattice_;
-  const uint32_t columns_, rows_;
-  std::vector<float> lowest_;
-};
-
 // Of coarser cells planes say little more than corners, which take less than half the time.
 bool isByPlanes(double spacing_m, const glm::dvec2& cell) { return spacing_m < kCoarse * std::max(cell.x, cell.y); }
 
 // The ground over a square with these corners, cut by either diagonal.
 void includeSquare(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c, const glm::dvec3& d, bool by_planes,
-                   Cells& cells) {
+                   LowestCells& cells) {
   if (!by_planes)
     return cells.include(glm::min(glm::min(a, b), glm::min(c, d)), glm::max(glm::max(a, b), glm::max(c, d)));
   for (const Corners& corners : {Corners{a, b, c}, Corners{d, c, b}, Corners{a, b, d}, Corners{a, d, c}})
@@ -143,7 +84,7 @@ void includeSquare(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c
 }
 
 // Each gives the side of its widest square, in samples.
-uint32_t includeSamples(const Ground& ground, const glm::dvec2& cell, Cells& cells) {
+uint32_t includeSamples(const Ground& ground, const glm::dvec2& cell, LowestCells& cells) {
   const bool by_planes = isByPlanes(cells.spacing(), cell);
   std::vector<glm::dvec3> south(ground.columns), north(ground.columns);
   const auto readRow = [&](uint32_t row, std::vector<glm::dvec3>& into) {
@@ -158,7 +99,8 @@ uint32_t includeSamples(const Ground& ground, const glm::dvec2& cell, Cells& cel
   }
   return 1;
 }
-uint32_t includeFlatSquares(const terrain::Scene& scene, const Ground& ground, const glm::dvec2& cell, Cells& cells) {
+uint32_t includeFlatSquares(const terrain::Scene& scene, const Ground& ground, const glm::dvec2& cell,
+                            LowestCells& cells) {
   uint32_t widest = 1;
   terrain::FlatSquares(scene.grid(), scene.pages()).forEach([&](uint32_t x, uint32_t y, uint32_t side) {
     widest = std::max(widest, side);
@@ -191,7 +133,7 @@ std::optional<TangentHeights> tangentHeights(const Hierarchy& hierarchy, size_t 
   heights.columns = static_cast<uint32_t>(size.x / heights.spacing_m);
   heights.rows = static_cast<uint32_t>(size.y / heights.spacing_m);
   if (heights.columns < 2 || heights.rows < 2) return std::nullopt;
-  Cells cells(heights);
+  LowestCells cells(heights.low_m, heights.spacing_m, heights.columns - 1, heights.rows - 1);
   const uint32_t widest = hierarchy.scene().isSparse() ? includeFlatSquares(hierarchy.scene(), ground, cell, cells)
                                                        : includeSamples(ground, cell, cells);
   // The ground between samples bends below their triangles where the scene is not level.

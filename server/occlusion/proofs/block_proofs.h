@@ -1,5 +1,6 @@
 // What a viewer's server remembers of blocks of which it has said whether they are hidden (viewer_occlusion.h): by
-// tiles, as HiddenBlocks keeps them. One owner. Memory: 400 bytes a tile, in chunks of 16 that are freed once unused.
+// tiles, as HiddenBlocks keeps them, however large the scene is. One owner. Memory: 400 bytes a tile, in chunks of 16
+// that are freed once unused.
 #pragma once
 
 #include <array>
@@ -8,6 +9,7 @@
 #include <vector>
 
 #include "proto/refine/hidden/hidden_blocks.h"
+#include "proto/section/index_table.h"
 #include "server/occlusion/proofs/span_proof.h"
 
 namespace foreland::server {
@@ -26,8 +28,6 @@ struct TileDue {
 
 class BlockProofs {
  public:
-  explicit BlockProofs(const proto::GridTopology& grid);
-
   struct Tile {
     TileDue& due;
     TileProofs& proofs;
@@ -42,16 +42,13 @@ class BlockProofs {
   static constexpr uint32_t kChunkLog2 = 2;  // of a chunk's side, in tiles
   static constexpr uint32_t kChunkTiles = 1u << (2 * kChunkLog2);
   struct Chunk {
+    uint64_t key = 0;
     uint32_t keyframe = 0;
     std::array<TileDue, kChunkTiles> due;
     std::array<TileProofs, kChunkTiles> proofs;
   };
-  struct Scale {
-    uint32_t columns = 0;
-    std::vector<std::unique_ptr<Chunk>> chunks;
-  };
-  std::vector<Scale> scales_;
-  size_t chunks_ = 0;  // that are there
+  proto::IndexTable numbers_;                   // of chunks, by key
+  std::vector<std::unique_ptr<Chunk>> chunks_;  // by number, the first of which is 1
 };
 
 }  // namespace foreland::server

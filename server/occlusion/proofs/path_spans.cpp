@@ -169,6 +169,11 @@ void PathSpans::clear() {
   now_ = {};
 }
 
+void PathSpans::lookOver(const HorizonGrid* grid) {
+  dropHorizons();
+  grid_ = grid;
+}
+
 void PathSpans::dropHorizons() {
   for (auto& held : held_)
     for (PathSpan& span : held) span.horizon.reset();

@@ -72,6 +72,8 @@ class PathSpans {
   // Increases with each keyframe in which firstChangedAfter() may be one of the intervals shown that it was not before.
   uint32_t revision() const { return revision_; }
 
+  // Makes horizons of another grid from now on; it may be null if none is asked for. What was proved holds.
+  void lookOver(const HorizonGrid* grid);
   // All horizons; those that are asked for again are made again.
   void dropHorizons();
   size_t bytes() const;

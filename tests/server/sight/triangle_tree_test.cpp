@@ -9,11 +9,10 @@
 #include <numbers>
 
 #include "base/rng.h"
-#include "oracle/globe/cube_faces.h"
 #include "server/sight/sight_scene.h"
 #include "server/sight/viewshed.h"
-#include "terrain/geo/geodesy.h"
 #include "tests/support/globe_scene.h"
+#include "tests/support/plain_planet.h"
 #include "tests/support/seed.h"
 #include "tests/support/sight_reference.h"
 #include "tests/world/ring_of_objects.h"
@@ -22,58 +21,6 @@ namespace foreland::test {
 namespace {
 
 using server::SightScene;
-using Point = oracle::CubeFaces::Point;
-
-// The ground of a planet as its finest triangles.
-class PlainPlanet {
- public:
-  explicit PlainPlanet(const terrain::Scene& scene) : scene_(scene), cube_(scene.grid().shape().root_log2) {
-    const int64_t side = cube_.side();
-    for (uint32_t face = 0; face < 6; ++face) {
-      const Place middle{side / 2, side / 2}, corners[4] = {{0, 0}, {side, 0}, {side, side}, {0, side}};
-      for (int i = 0; i < 4; ++i) split(face, {corners[i], corners[(i + 1) % 4], middle});
-    }
-  }
-
-  template <class Visit>
-  void forAll(const Visit& visit) const {
-    for (const Corners& t : triangles_) visit(t);
-  }
-  const std::vector<Corners>& triangles() const { return triangles_; }
-  bool isThere(uint32_t face, const glm::vec<2, int64_t>& place) const { return isThere(cube_.pointOn(face, place)); }
-  // Of a place on a face, at a height above the ellipsoid.
-  glm::dvec3 at(uint32_t face, const glm::dvec2& place, double height_m) const {
-    proto::Geodetic at = cube_.geodetic(face, place);
-    at.height_m = height_m;
-    return terrain::referencePosition({scene_.frame().semi_major_m, scene_.frame().flattening}, at);
-  }
-  double heightMetres(uint32_t face, const glm::vec<2, int64_t>& place) const {
-    return scene_.height(cube_.nameOf(cube_.pointOn(face, place))) * scene_.frame().height_quantum_m;
-  }
-
- private:
-  using Place = glm::vec<2, int64_t>;
-
-  bool isThere(const Point& point) const {
-    const proto::NodeId name = cube_.nameOf(point);
-    return scene_.grid().isBase(name) || scene_.pages().hasPage(scene_.grid().slot(name));
-  }
-  void split(uint32_t face, const std::array<Place, 3>& t) {
-    const Place twice = t[0] + t[1], half = twice / int64_t{2};
-    if (twice.x % 2 == 0 && twice.y % 2 == 0 && isThere(cube_.pointOn(face, half))) {
-      split(face, {t[1], t[2], half});
-      split(face, {t[2], t[0], half});
-      return;
-    }
-    Corners corners;
-    for (size_t i = 0; i < 3; ++i) corners[i] = at(face, glm::dvec2(t[i]), heightMetres(face, t[i]));
-    triangles_.push_back(corners);
-  }
-
-  const terrain::Scene& scene_;
-  oracle::CubeFaces cube_;
-  std::vector<Corners> triangles_;
-};
 
 // A planet that is whole, or fine about a corner and a pole alone.
 struct Planet {
