@@ -108,7 +108,7 @@ TEST_P(GlobeGround, HorizonsLieBelowItWithRoom) {
   Rng rng(seed);
   const Planet planet(seed, GetParam());
   double highest = -1e9, gap = 0;
-  for (int place = 0; place < 4; ++place) {
+  for (int place = 0; place < 3; ++place) {
     const glm::dvec3 about = planet.anywhere(rng);
     const auto grid = planet.shared->globe->grids.about(about * 1.001, nullptr);
     ASSERT_NE(grid, nullptr);
@@ -145,7 +145,7 @@ TEST_P(GlobeGround, WhatIsHiddenCannotBeSeenAndMuchIsInValleys) {
   BlockTest test{planet.hierarchy, *planet.shared};
   const proto::FrameTransform& transform = planet.hierarchy.frame().transform();
   int hidden = 0, tried = 0, rays = 0;
-  for (int view_count = 0; view_count < 25; ++view_count) {
+  for (int view_count = 0; view_count < 14; ++view_count) {
     const glm::dvec3 ground = planet.anywhere(rng), up = transform.upAt(ground),
                      aside(rng.uniform(-30, 30), rng.uniform(-30, 30), rng.uniform(-30, 30));
     const EyeCapsule eyes{ground + rng.uniform(50, 120) * up, aside, rng.uniform(0, 10)};
