@@ -74,7 +74,7 @@ class Measurement {
   void take(const FlightJudgement& found) {
     if (truth_.cracks == 0) truth_.first_crack = found.cracks.first;
     truth_.cracks += found.cracks.cracks;
-    if (found.keyframe) truth_.keyframes.add(*found.keyframe), addObjects(*found.keyframe);
+    if (found.keyframe) truth_.keyframes.add(*found.keyframe), addParts(*found.keyframe);
     truth_.keyframes_over_tau += found.is_keyframe_over_tolerance;
     if (found.extrapolation) truth_.extrapolation.add(*found.extrapolation);
     if (found.shown) addFrame(found);
@@ -181,7 +181,7 @@ class Measurement {
   void addFrame(const FlightJudgement& found) {
     truth_.frames.add(*found.shown);
     truth_.weights_judged.add(found.weight);
-    addObjects(*found.shown);
+    addParts(*found.shown);
     truth_.uncovered_samples += found.shown->uncovered;
     truth_.frames_over_tau += found.is_over_tolerance;
     if (!found.is_outside) return;
@@ -189,10 +189,13 @@ class Measurement {
     truth_.outside_over_tau += found.is_over_tolerance;
   }
 
-  void addObjects(const SceneDeviation& d) {
+  void addParts(const SceneDeviation& d) {
     truth_.object_silhouette_error_px = std::max(truth_.object_silhouette_error_px, d.silhouette_px);
     truth_.object_interior_error_px = std::max(truth_.object_interior_error_px, d.interior_px);
     truth_.object_vertices_judged += d.object_vertices;
+    truth_.source_error_px = std::max(truth_.source_error_px, d.sources.max_px);
+    truth_.source_excess_px = std::max(truth_.source_excess_px, d.sources.excess_px);
+    truth_.source_samples_judged += d.sources.samples;
   }
 
   const FlightTruthOptions& options_;

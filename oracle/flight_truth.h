@@ -66,6 +66,10 @@ struct FlightTruth {
   double object_silhouette_error_px = 0;                             // largest, keyframes and frames
   double object_interior_error_px = 0, object_interior_per_tau = 1;  // the same; its tolerance, as a multiple of tau
   uint64_t object_vertices_judged = 0;
+  // Of a globe's files, keyframes and frames: the largest distance of a sample from what is drawn; what of it is more
+  // than the file's residual looks like, which counts among the errors above; and how often one was looked at.
+  double source_error_px = 0, source_excess_px = 0;
+  uint64_t source_samples_judged = 0;
   double delay_max_ms = 0, delay_mean_ms = 0;
   uint64_t keyframes_over_tau = 0, frames_over_tau = 0;  // of those measured, over the tolerance that each states
   uint64_t outside_measured = 0;                         // of those measured, frames that no region covers
@@ -102,6 +106,11 @@ struct FlightTruth {
     visit("object_silhouette_error_px", object_silhouette_error_px);
     visit("object_interior_error_px", object_interior_error_px);
     visit("object_interior_per_tau", object_interior_per_tau);
+    if (source_samples_judged > 0) {
+      visit("source_error_px", source_error_px);
+      visit("source_excess_px", source_excess_px);
+      visit("source_samples_judged", source_samples_judged);
+    }
     if (has_terms) {
       term("interpolation_error_", interpolation, visit);
       term("view_error_", view, visit);

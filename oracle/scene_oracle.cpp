@@ -61,6 +61,10 @@ SceneDeviation SceneOracle::error(const client::KeyframeMesh& mesh, double weigh
   all.samples = pixels.vertices;
   all.max_m = std::max(all.max_m, objects.max_m);
   all.uncovered += objects.uncovered;
+  if (!sources_) return all;
+  all.sources = sources_->error(mesh, weight, pose, lens, sight);
+  all.max_px = std::max(all.max_px, all.sources.excess_px);
+  all.uncovered += all.sources.uncovered;
   return all;
 }
 

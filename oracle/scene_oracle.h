@@ -3,7 +3,8 @@
 //
 // What is guaranteed differs: the terrain and the silhouettes of objects keep tau, the inside of objects an interior
 // tolerance that is a multiple of it. So that one figure can be compared with tau, errors inside objects count divided
-// by that multiple; their own values are reported as well.
+// by that multiple, and those against a globe's files less what their residuals look like; their own values are
+// reported as well.
 //
 // One owner. Cost: that of the two oracles.
 #pragma once
@@ -15,6 +16,7 @@
 #include <vector>
 
 #include "oracle/crack_checker.h"
+#include "oracle/globe/source_oracle.h"
 #include "oracle/oracle.h"
 #include "oracle/patchwork.h"
 #include "oracle/surface/objects_oracle.h"
@@ -25,6 +27,7 @@ struct SceneDeviation : Deviation {  // of everything: a sample is one of the te
   double silhouette_px = 0;          // largest on the silhouette of an object
   double interior_px = 0;            // largest inside one, not divided
   uint64_t object_vertices = 0;      // judged
+  SourceDeviation sources{};         // of a globe's files, if they are given
 };
 
 class SceneOracle {
@@ -45,6 +48,7 @@ class SceneOracle {
   SceneOracle twin() {
     SceneOracle other(frame_, terrain_.twin(), objects_);
     if (patchwork_) other.patchwork_.emplace(patchwork_->twin());
+    other.sources_ = sources_;
     other.is_seen_ = is_seen_;
     other.stretch_ = stretch_;
     return other;
@@ -54,6 +58,9 @@ class SceneOracle {
   void judgeOnlySeen(std::function<bool(const glm::dvec3& point, const glm::dvec3& eye)> is_seen) {
     is_seen_ = std::move(is_seen);
   }
+
+  // From now on a globe is judged against the files that it was made of, too.
+  void judgeSources(SourceOracle sources) { sources_.emplace(std::move(sources)); }
 
   // From now on heights are drawn so many times as tall. Not of a globe.
   void exaggerate(double factor) {
@@ -93,6 +100,7 @@ class SceneOracle {
   proto::FrameTransform frame_;
   Oracle terrain_;
   std::optional<Patchwork> patchwork_;  // judges the terrain instead
+  std::optional<SourceOracle> sources_;
   std::shared_ptr<const ObjectsOracle> objects_;
   std::function<bool(const glm::dvec3& point, const glm::dvec3& eye)> is_seen_;
   Stretch stretch_;

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "apps/exact_sections.h"
+#include "apps/fly/globe_sources.h"
 #include "apps/options/options.h"
 #include "apps/report/progress_line.h"
 #include "apps/stop_signal.h"
@@ -47,6 +48,14 @@ void addAfterwardsOptions(CLI::App& app, AfterwardsOptions& o) {
       ->needs(truth)
       ->check(within(0u, 1024u))
       ->capture_default_str();
+  CLI::Option* source = add(
+      "--source", o.sources,
+      "of a globe, a file that it was made of, perhaps with @vertical=... as for `foreland build`; all are to be "
+      "given. "
+      "What is drawn is measured against their samples, too: no further off on the screen than the tolerance and what "
+      "the residual that the scene states looks like");
+  source->type_name(file("FILE"))->needs(truth)->allow_extra_args(false);
+  addAllowedFolders(app, o.foreign)->group("The report")->needs(source);
   CLI::Option* dump =
       add("--dump", o.dump,
           "write what is drawn into this folder, after landing: a PLY mesh in metres, and a line in frames.jsonl");
@@ -68,6 +77,11 @@ Result<Afterwards> Afterwards::prepare(const AfterwardsOptions& options) {
     auto oracle = oracle::sceneOracle(*scene);
     if (!oracle.ok()) return oracle.error();
     afterwards.oracle_.emplace(std::move(oracle).value());
+    if (!options.sources.empty()) {
+      auto sources = sourceOracle(**scene, options.sources, options.foreign);
+      if (!sources.ok()) return sources.error();
+      afterwards.oracle_->judgeSources(std::move(sources).value());
+    }
   }
   if (!options.dump.empty()) {
     auto dump = client::FrameDump::create(options.dump);

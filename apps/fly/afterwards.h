@@ -5,7 +5,10 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <string>
+#include <vector>
 
+#include "apps/options/foreign_files.h"
 #include "base/result.h"
 #include "client/fly/frame_dump.h"
 #include "client/fly/player.h"
@@ -24,6 +27,8 @@ struct AfterwardsOptions {
   uint32_t truth_every = oracle::FlightTruthOptions{}.frame_every;
   uint32_t truth_frames = oracle::FlightTruthOptions{}.max_frames;
   std::optional<uint32_t> truth_terms_every;
+  std::vector<std::string> sources;  // of a globe; empty: it is measured against the scene alone
+  ForeignFiles foreign;
   unsigned threads = 0;
   std::filesystem::path dump;  // empty: nothing is dumped
   uint32_t dump_every = 60;
@@ -34,7 +39,8 @@ void addAfterwardsOptions(CLI::App& app, AfterwardsOptions& options);
 
 class Afterwards {
  public:
-  // Opens what the options name, so that mistakes are reported before the flight.
+  // Opens what the options name, so that mistakes are reported before the flight. To be called before threads are
+  // started.
   static Result<Afterwards> prepare(const AfterwardsOptions& options);
 
   // Whether sections that leave out what is hidden can be judged: not in scenes that change in time.

@@ -122,6 +122,9 @@ With --truth SCENE, measured after landing on a replay of the flight:
                                 were judged
   object_silhouette_error_px, object_interior_error_px   largest on the silhouettes of objects, and inside, where tau times
                                 object_interior_per_tau is guaranteed; max_error_px_* count the latter divided by that
+  source_error_px, source_excess_px   with --source: largest distance of a file's sample from what is drawn; what of it is more than
+                                the residual that the scene states looks like there, which max_error_px_* count
+  source_samples_judged         how often one was looked at
   interpolation_error_*, view_error_*, extrapolation_error_*   the terms of THEORY section 4 apart: max, mean and rms, in _px and
                                 _m; mean is that over frames of the largest in each
   lod_motion_*_px               what the change of detail alone moves in a 60th of a second; p99 of what moves

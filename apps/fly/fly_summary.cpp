@@ -109,6 +109,9 @@ void addErrors(const FlySummary& s, const oracle::FlightTruth& t, Summary& out) 
     out.add("objects", digits(t.object_silhouette_error_px) + " px at most on silhouettes, " +
                            digits(t.object_interior_error_px) + " px inside" +
                            asked(shortest(t.object_interior_per_tau * s.request.tau_px) + " px inside"));
+  if (t.source_samples_judged > 0)
+    out.add("files", digits(t.source_error_px) + " px at most from their samples, " + digits(t.source_excess_px) +
+                         " px more than the residual that the scene states looks like");
   out.add("surface", count(t.cracks, "crack") + ", " + count(t.uncovered_samples, "sample") + " in view not covered");
   out.add("motion", digits(t.lod_motion.max_px) + " px at most in a 60th of a second by the change of detail");
   if (t.delay_max_ms > 0)

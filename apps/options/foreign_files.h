@@ -19,13 +19,17 @@ struct ForeignFiles {
   bool is_verbose = false;
 };
 
-inline void addForeignFiles(CLI::App& app, ForeignFiles& files) {
-  app.add_option(
-         "--allow-files-from", files.allowed,
-         "a folder that inputs may name files of, beside their own folders and what lies below these; by default "
-         "an input that names others is refused")
+inline CLI::Option* addAllowedFolders(CLI::App& app, ForeignFiles& files) {
+  return app
+      .add_option("--allow-files-from", files.allowed,
+                  "a folder that inputs may name files of, beside their own folders and what lies below these; by "
+                  "default an input that names others is refused")
       ->type_name(apps::folder("DIR"))
       ->allow_extra_args(false);
+}
+
+inline void addForeignFiles(CLI::App& app, ForeignFiles& files) {
+  addAllowedFolders(app, files);
   app.add_flag("--verbose", files.is_verbose, "say also what this kernel cannot do to confine this program");
 }
 

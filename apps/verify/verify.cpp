@@ -10,8 +10,8 @@
 #include "apps/options/command_line.h"
 #include "apps/options/foreign_files.h"
 #include "apps/options/options.h"
+#include "apps/verify/globe_inputs.h"
 #include "apps/verify/verify_source.h"
-#include "terrain/dem/vertical/height_reference.h"
 #include "terrain/imagery/verify_tiles.h"
 #include "terrain/objects/placed_objects.h"
 #include "terrain/store/verify.h"
@@ -128,13 +128,8 @@ int verifyScene(const Arguments& arguments) {
 
 // All files that the command names.
 std::vector<std::filesystem::path> filesOf(const Arguments& arguments) {
-  std::vector<std::filesystem::path> files{arguments.path};
-  for (const std::string& source : arguments.sources) {
-    const size_t at = source.rfind("@vertical=");
-    files.emplace_back(source.substr(0, at));
-    if (at != std::string::npos) files.emplace_back(source.substr(source.find('=', at) + 1));
-  }
-  std::erase_if(files, [](const std::filesystem::path& file) { return terrain::isNamedDatum(file.string()); });
+  std::vector<std::filesystem::path> files = apps::filesOfSources(arguments.sources);
+  files.emplace_back(arguments.path);
   return files;
 }
 

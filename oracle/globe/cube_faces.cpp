@@ -25,6 +25,19 @@ double tangentOf(double s) {
   return a * s + b * std::pow(s, 3) + (1 - a - b) * std::pow(s, 5);
 }
 
+// The coordinate of a tangent, by Newton's steps from that of equal angles; the quintic rises everywhere.
+double coordinateOf(double tangent) {
+  const double a = std::acos(-1.0) / 4, b = 0.1615, c = 1 - a - b;
+  double s = std::atan(tangent) / a;
+  for (int i = 0; i < 5; ++i) {
+    const double s2 = s * s;
+    s -= (s * (a + s2 * (b + s2 * c)) - tangent) / (a + s2 * (3 * b + s2 * 5 * c));
+  }
+  return s;
+}
+
+double along(const glm::dvec3& p, const Point& axis) { return glm::dot(p, glm::dvec3(axis)); }
+
 }  // namespace
 
 Point CubeFaces::pointOn(uint32_t face, glm::vec<2, int64_t> place) const {
@@ -64,6 +77,17 @@ proto::Geodetic CubeFaces::geodetic(uint32_t face, glm::dvec2 place) const {
   const double s = static_cast<double>(side_), u = tangentOf(2 * place.x / s - 1), v = tangentOf(2 * place.y / s - 1);
   const glm::dvec3 d = glm::dvec3(f.out) + u * glm::dvec3(f.east) + v * glm::dvec3(f.north);
   return {std::atan2(d.z, std::hypot(d.x, d.y)), std::atan2(d.y, d.x), 0};
+}
+
+CubeFaces::FacePlace CubeFaces::placeOf(const glm::dvec3& direction) const {
+  uint32_t face = 0;
+  for (uint32_t other = 1; other < 6; ++other)
+    if (along(direction, kFaces[other].out) > along(direction, kFaces[face].out)) face = other;
+  const double out = along(direction, kFaces[face].out);
+  const auto coordinate = [&](const Point& axis) {
+    return std::clamp((coordinateOf(along(direction, axis) / out) + 1) / 2, 0.0, 1.0) * static_cast<double>(side_);
+  };
+  return {face, {coordinate(kFaces[face].east), coordinate(kFaces[face].north)}};
 }
 
 bool isBehind(const terrain::Ellipsoid& ellipsoid, const glm::dvec3& eye, const glm::dvec3& point) {

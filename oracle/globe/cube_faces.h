@@ -35,6 +35,12 @@ class CubeFaces {
 
   // Latitude and longitude of a place on a face's square, by the angles of its direction.
   proto::Geodetic geodetic(uint32_t face, glm::dvec2 place) const;
+  // The other way: a face that a direction, of any length but 0, meets, and where; to 1e-9 steps.
+  struct FacePlace {
+    uint32_t face = 0;
+    glm::dvec2 place{0};
+  };
+  FacePlace placeOf(const glm::dvec3& direction) const;
 
  private:
   uint32_t log2_;

@@ -1,29 +1,13 @@
 #include "oracle/globe/globe_oracle.h"
 
-#include <algorithm>
 #include <utility>
 
 #include "oracle/globe/cube_faces.h"
+#include "oracle/globe/faces_of_mesh.h"
 
 namespace foreland::oracle {
 
 namespace {
-
-std::vector<FaceTriangle> trianglesOnFaces(const client::KeyframeMesh& mesh, const CubeFaces& cube) {
-  std::vector<CubeFaces::Point> points;
-  for (const glm::vec2& p : mesh.parameters)
-    points.push_back(cube.pointOf(proto::NodeId::at(static_cast<uint32_t>(p.x), static_cast<uint32_t>(p.y))));
-  std::vector<FaceTriangle> triangles;
-  for (size_t i = 0; i < mesh.indices.size(); i += 3) {
-    FaceTriangle t{0, {mesh.indices[i], mesh.indices[i + 1], mesh.indices[i + 2]}, {}};
-    const auto face = CubeFaces::faceOf(points[t.vertex[0]], points[t.vertex[1]], points[t.vertex[2]], cube.side());
-    if (!face) continue;  // what it should cover is uncovered
-    t.face = *face;
-    for (size_t k = 0; k < 3; ++k) t.place[k] = glm::dvec2(cube.placeOn(*face, points[t.vertex[k]]));
-    triangles.push_back(t);
-  }
-  return triangles;
-}
 
 struct Globe {
   std::shared_ptr<const terrain::Scene> scene;
@@ -31,13 +15,8 @@ struct Globe {
   terrain::Ellipsoid ellipsoid, lowest;  // that of the frame, and one that no ground reaches into
 
   explicit Globe(std::shared_ptr<const terrain::Scene> s) : scene(std::move(s)), cube(scene->grid().shape().root_log2) {
-    const proto::Frame& frame = scene->frame();
-    ellipsoid = {frame.semi_major_m, frame.flattening};
-    // A metre for rounding; it is flatter than a surface of constant height.
-    const double depth_m = std::min(0, scene->heightRange().lowest) * frame.height_quantum_m - 1,
-                 polar_m = frame.semi_major_m * (1 - frame.flattening) + depth_m;
-    lowest.semi_major_m = frame.semi_major_m + depth_m;
-    lowest.flattening = 1 - polar_m / lowest.semi_major_m;
+    ellipsoid = {scene->frame().semi_major_m, scene->frame().flattening};
+    lowest = lowestEllipsoid(*scene);
   }
 
   proto::NodeId nameOf(uint32_t face, const Place& place) const { return cube.nameOf(cube.pointOn(face, place)); }

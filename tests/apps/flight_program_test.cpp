@@ -2,11 +2,14 @@
 // `foreland fly` says about bad input.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <string>
+#include <vector>
 
+#include "tests/apps/advice_files.h"
 #include "tests/apps/expect_refusal.h"
 #include "tests/support/scene.h"
 
@@ -140,6 +143,49 @@ TEST(FlightProgram, TellsPeopleWhatCameAndWhetherAllIsWell) {
   EXPECT_EQ(many.exit_code, 0) << many.output;
   EXPECT_TRUE(many.output.starts_with("viewers     3 of 3 flew to the end")) << many.output;
   expectVerdict(many.output);
+}
+
+TEST(FlightProgram, JudgesGlobesAgainstTheirFiles) {
+  const TemporaryFolder folder;
+  const std::string base = folder / "planet.vrt", inset = folder / "inset.vrt", scene = folder / "planet.fls",
+                    recording = folder / "flight.rec";
+  const auto ridges = [](int x, int y) { return 900 + 400 * std::sin(0.7 * x) + 300 * std::cos(0.5 * y); };
+  writeText(folder / "base.asc", gridText(0, 0, 1, "", hill));
+  writeText(base, vrtOver("base.asc", "EPSG:4326", "-180, 5.5384615384615383, 0, 90, 0, -2.7692307692307692", ""));
+  writeText(folder / "fine.asc", gridText(0, 0, 1, "", ridges));
+  writeText(inset, vrtOver("fine.asc", "EPSG:4326", "7, 0.05, 0, 47, 0, -0.05", ""));
+  const ProgramResult built = runProgram("build", {base, "--globe", "--inset", inset, "-o", scene});
+  ASSERT_EQ(built.exit_code, 0) << built.output;
+  Program server("serve", {scene, "--listen", "127.0.0.1:0", "--log-level", "off"});
+  const std::string url = "ws://127.0.0.1:" + std::to_string(portOf(server.readLine()));
+  const std::vector<std::string> judged{"--truth",  scene, "--truth-frames", "6",  "--truth-terms-every", "0",
+                                        "--source", base,  "--source",       inset};
+  std::vector<std::string> flight{url,          "--tour",  "descent:45.4,8.6", "--seconds", "2",
+                                  "--viewport", "640x360", "--record",         recording,   "--json"};
+  flight.insert(flight.end(), judged.begin(), judged.end());
+  const ProgramResult flown = runProgram("fly", flight, {.streams = Streams::kOutputOnly});
+  ASSERT_EQ(flown.exit_code, 0) << flown.output;
+  const auto report = nlohmann::json::parse(flown.output, nullptr, false);
+  ASSERT_FALSE(report.is_discarded()) << flown.output;
+  EXPECT_GT(report["source_samples_judged"], 1'000);
+  EXPECT_GT(report["source_error_px"], 0);
+  EXPECT_LE(report["source_excess_px"], report["tau_px"]);
+  EXPECT_EQ(report["frames_over_tau"], 0);
+  EXPECT_EQ(report["uncovered_samples"], 0);
+
+  // The same flight, had the ground been another.
+  writeText(folder / "fine.asc", gridText(0, 0, 1, "", [&](int x, int y) { return 4'000 + ridges(x, y); }));
+  std::vector<std::string> replay{recording, "--json"};
+  replay.insert(replay.end(), judged.begin(), judged.end());
+  const ProgramResult other = runProgram("replay", replay, {.streams = Streams::kOutputOnly});
+  const auto wrong = nlohmann::json::parse(other.output, nullptr, false);
+  ASSERT_FALSE(wrong.is_discarded()) << other.output;
+  EXPECT_GT(wrong["source_excess_px"], report["tau_px"]);
+  EXPECT_GT(wrong["frames_over_tau"], 0);
+  EXPECT_GT(wrong["max_error_px_frames"], report["tau_px"]);
+  expectRefusal("replay", {recording, "--truth", scene, "--source", base}, {"inset.vrt", "--source of its own"});
+  expectRefusal("replay", {recording, "--truth", scene, "--source", base, "--source", folder / "base.asc"},
+                {"inset.vrt"});
 }
 
 // Judging this takes minutes, so the signal comes while it lasts.

@@ -5,6 +5,8 @@
 #include <functional>
 #include <glm/geometric.hpp>
 #include <memory>
+#include <utility>
+#include <vector>
 
 #include "terrain/pipeline/sparse_build.h"
 #include "tests/support/scene.h"
@@ -48,9 +50,9 @@ inline double globeRidges(uint64_t seed, const glm::dvec3& direction) {
 }
 
 // A file of a planet with faces of 2^face_log2 steps a side, whole but for so many of the finest levels, which are
-// there around one corner of the cube and one pole. Aborts the test on failure.
+// there around one corner of the cube and one pole. It states that it was made of `inputs`. Aborts the test on failure.
 inline std::filesystem::path globeFile(const TemporaryFolder& folder, uint32_t face_log2, const GlobeRelief& relief,
-                                       uint32_t sparse_levels) {
+                                       uint32_t sparse_levels, std::vector<terrain::SceneInput> inputs = {}) {
   const proto::GridTopology grid =
       *proto::GridTopology::create(proto::GridTopology::cubeShape(face_log2, sparse_levels));
   const proto::Frame frame = makeGlobeFrame(face_log2);
@@ -67,30 +69,36 @@ inline std::filesystem::path globeFile(const TemporaryFolder& folder, uint32_t f
   const std::filesystem::path file = folder / "globe.fls";
   terrain::SceneOrigin origin;
   origin.title = "globe";
-  const auto report = terrain::buildSparseScene({grid, frame, deep, quanta}, {file, 1, origin});
+  terrain::SceneDatum datum{.vertical = {}, .inputs = std::move(inputs)};
+  for (terrain::SceneInput& input : datum.inputs) input.window = {0, 0, grid.maxX() + 1, grid.maxY() + 1};
+  const auto report = terrain::buildSparseScene({grid, frame, deep, quanta}, {file, 1, origin, std::move(datum)});
   if (!report.ok()) std::fprintf(stderr, "globeFile: %s\n", report.error().message.c_str());
   CHECK_TRUE(report.ok());
   return file;
 }
 
 inline std::filesystem::path globeFile(const TemporaryFolder& folder, uint32_t face_log2, uint64_t seed,
-                                       uint32_t sparse_levels) {
+                                       uint32_t sparse_levels, std::vector<terrain::SceneInput> inputs = {}) {
   return globeFile(
-      folder, face_log2, [seed](const glm::dvec3& direction) { return globeHills(seed, direction); }, sparse_levels);
+      folder, face_log2, [seed](const glm::dvec3& direction) { return globeHills(seed, direction); }, sparse_levels,
+      std::move(inputs));
 }
 
 // The scene of such a file, which has no name any more.
 inline std::shared_ptr<const terrain::Scene> makeGlobeScene(uint32_t face_log2, const GlobeRelief& relief,
-                                                            uint32_t sparse_levels = 0) {
+                                                            uint32_t sparse_levels = 0,
+                                                            std::vector<terrain::SceneInput> inputs = {}) {
   const TemporaryFolder folder;
-  const auto scene = terrain::Scene::open(globeFile(folder, face_log2, relief, sparse_levels));
+  const auto scene = terrain::Scene::open(globeFile(folder, face_log2, relief, sparse_levels, std::move(inputs)));
   CHECK_TRUE(scene.ok());
   return *scene;
 }
 inline std::shared_ptr<const terrain::Scene> makeGlobeScene(uint32_t face_log2, uint64_t seed,
-                                                            uint32_t sparse_levels = 0) {
+                                                            uint32_t sparse_levels = 0,
+                                                            std::vector<terrain::SceneInput> inputs = {}) {
   return makeGlobeScene(
-      face_log2, [seed](const glm::dvec3& direction) { return globeHills(seed, direction); }, sparse_levels);
+      face_log2, [seed](const glm::dvec3& direction) { return globeHills(seed, direction); }, sparse_levels,
+      std::move(inputs));
 }
 
 }  // namespace foreland::test

@@ -8,7 +8,7 @@
 #include <glm/geometric.hpp>
 
 #include "oracle/globe/cube_faces.h"
-#include "proto/space/frame_grid.h"
+#include "tests/oracle/globe/whole_globe.h"
 #include "tests/support/globe_scene.h"
 #include "tests/support/seed.h"
 
@@ -71,48 +71,16 @@ TEST(CubeFaces, HidesWhatLinesThroughTheBodyReach) {
   }
 }
 
-// All vertices of a scene, and two triangles for each cell of each face.
-client::KeyframeMesh meshOf(const terrain::Scene& scene) {
-  const proto::GridTopology& grid = scene.grid();
-  const proto::FrameGrid positions(scene.frame(), grid.maxX(), grid.maxY());
-  client::KeyframeMesh mesh;
-  std::vector<uint32_t> index(size_t{grid.maxX() + 1} * (grid.maxY() + 1), ~0u);
-  const auto vertex = [&](uint32_t face, uint32_t x, uint32_t y) {
-    const NodeId name = grid.nameIn(face, NodeId::at(face * kSide + x, y));
-    uint32_t& found = index[size_t{name.y()} * (grid.maxX() + 1) + name.x()];
-    if (found == ~0u) {
-      found = static_cast<uint32_t>(mesh.parameters.size());
-      mesh.parameters.emplace_back(name.x(), name.y());
-      mesh.from_positions.emplace_back(glm::vec3(positions.position(name, scene.height(name))), 0);
-    }
-    return found;
-  };
-  for (uint32_t face = 0; face < 6; ++face)
-    for (uint32_t y = 0; y < kSide; ++y)
-      for (uint32_t x = 0; x < kSide; ++x) {
-        const uint32_t sw = vertex(face, x, y), se = vertex(face, x + 1, y), nw = vertex(face, x, y + 1),
-                       ne = vertex(face, x + 1, y + 1);
-        for (const uint32_t v : {sw, se, ne, sw, ne, nw}) mesh.indices.push_back(v);
-      }
-  mesh.to_positions = mesh.from_positions;
-  return mesh;
-}
-
-proto::Pose over(const glm::dvec3& direction, double height_m) {
-  const glm::dvec3 n = glm::normalize(direction);
-  return {n * (20'000 + height_m), proto::lookAlong(-n, glm::normalize(glm::cross(n, glm::dvec3(0.2, 0.3, 0.9))))};
-}
-
 TEST(GlobeOracle, FindsNothingWrongWithAGlobeAtFullResolution) {
   const uint64_t seed = test::randomSeed();
   Rng rng(seed);
   const auto scene = test::makeGlobeScene(kLog2, seed);
-  const client::KeyframeMesh mesh = meshOf(*scene);
+  const client::KeyframeMesh mesh = wholeGlobe(*scene, kSide);
   EXPECT_EQ(mesh.parameters.size(), 6u * kSide * kSide + 2);
   Patchwork oracle = globeOracle(scene);
   for (const glm::dvec3& d :
        {glm::dvec3(1, 1, 1), glm::dvec3(0, 0, 1), glm::dvec3(-1, 0.01, 0), glm::dvec3(1, -1, 0.2)}) {
-    const Deviation found = oracle.error(mesh, 0.5, over(d, rng.uniform(5'000, 60'000)), kLens);
+    const Deviation found = oracle.error(mesh, 0.5, viewFrom(d, rng.uniform(5'000, 60'000)), kLens);
     EXPECT_LT(found.max_px, 1e-3) << "seed " << seed;
     EXPECT_EQ(found.uncovered, 0u) << "seed " << seed;
     EXPECT_GT(found.samples, 40u);
@@ -122,7 +90,7 @@ TEST(GlobeOracle, FindsNothingWrongWithAGlobeAtFullResolution) {
 TEST(GlobeOracle, MeasuresALiftedVertexAndFindsHoles) {
   const uint64_t seed = test::randomSeed();
   const auto scene = test::makeGlobeScene(kLog2, seed);
-  client::KeyframeMesh mesh = meshOf(*scene);
+  client::KeyframeMesh mesh = wholeGlobe(*scene, kSide);
   Patchwork oracle = globeOracle(scene);
   oracle.setSight({{}, 1});
   // On an edge of the cube, seen from the side.
@@ -131,15 +99,15 @@ TEST(GlobeOracle, MeasuresALiftedVertexAndFindsHoles) {
   while (mesh.parameters[v] != glm::vec2(on_edge.x(), on_edge.y())) ++v;
   const glm::dvec3 n = glm::normalize(glm::dvec3(mesh.from_positions[v]));
   mesh.from_positions[v] += glm::vec4(20.0 * n, 0);
-  const Deviation near = oracle.error(mesh, 0, over(n + glm::dvec3(0, 0, 0.3), 8'000), kLens);
+  const Deviation near = oracle.error(mesh, 0, viewFrom(n + glm::dvec3(0, 0, 0.3), 8'000), kLens);
   EXPECT_GT(near.max_px, 0.3) << "seed " << seed;
   EXPECT_NEAR(near.max_m, 20, 0.1);
   EXPECT_EQ(near.worst_sample, glm::uvec2(on_edge.x(), on_edge.y()));
   // Behind the body nobody sees it, as large as it may be.
   mesh.from_positions[v] -= glm::vec4(9'000.0 * n, 0);
-  EXPECT_LT(oracle.error(mesh, 0, over(-n, 40'000), kLens).max_px, 1.001) << "seed " << seed;
+  EXPECT_LT(oracle.error(mesh, 0, viewFrom(-n, 40'000), kLens).max_px, 1.001) << "seed " << seed;
   mesh.indices.resize(mesh.indices.size() - 6 * kSide);  // a row of the last face
-  EXPECT_GT(oracle.error(mesh, 1, over(glm::dvec3(0, 0.3, -1), 30'000), kLens).uncovered, 10u);
+  EXPECT_GT(oracle.error(mesh, 1, viewFrom(glm::dvec3(0, 0.3, -1), 30'000), kLens).uncovered, 10u);
 }
 
 TEST(GlobeOracle, JudgesDeepVerticesWhereTheyAreThere) {
@@ -151,7 +119,7 @@ TEST(GlobeOracle, JudgesDeepVerticesWhereTheyAreThere) {
   uint64_t uncovered = 0;
   for (const glm::dvec3& d : {glm::dvec3(1, 0, 0), glm::dvec3(-1, 0, 0)})
     uncovered +=
-        oracle.error({}, 0, over(d, 1e6), {.vertical_fov_rad = 0.2, .width_px = 800, .height_px = 800}).uncovered;
+        oracle.error({}, 0, viewFrom(d, 1e6), {.vertical_fov_rad = 0.2, .width_px = 800, .height_px = 800}).uncovered;
   uint64_t there = 0;
   scene->pages().forEachPage([&](proto::Slot first, uint64_t) {
     for (proto::Slot slot = first; slot < first + proto::kPageSlots; ++slot)
