@@ -267,7 +267,6 @@ Status checkGlobe(const Arguments& arguments) {
     return Error{ErrorCode::kUnsupported, std::string("--globe takes no ") + what + " yet; leave it out"};
   };
   if (!arguments.epochs.empty()) return refused("--epoch");
-  if (arguments.elevation.open.residual_m) return refused("--residual");
   if (arguments.elevation.open.scene_vertical && *arguments.elevation.open.scene_vertical != terrain::kEllipsoidName)
     return Error{ErrorCode::kInvalidArgument, "--scene-vertical " + *arguments.elevation.open.scene_vertical +
                                                   ": the heights of a globe are above the ellipsoid; leave it out"};
@@ -302,7 +301,7 @@ int buildGlobe(const Arguments& arguments) {
   open.scene_vertical.reset();
   const auto source = terrain::openGlobe(arguments.elevation.inputs, open);
   if (!source.ok()) return fail(source.error());
-  const auto depth = terrain::depthOf((*source)->info());
+  const auto depth = terrain::depthOf((*source)->info(), open.residual_m);
   if (!depth.ok()) return fail(depth.error());
   describeGlobe((*source)->info(), *depth);
   const auto objects = parseObjects(arguments.objects);
@@ -318,6 +317,7 @@ int buildGlobe(const Arguments& arguments) {
                                {.output = arguments.output,
                                 .height_quantum_m = arguments.elevation.vertical_step_m.value_or(0.1),
                                 .threads = arguments.threads,
+                                .residual_m = open.residual_m,
                                 .page_coding = arguments.page_coding,
                                 .objects = *objects,
                                 .picture = picture.get(),

@@ -1,5 +1,7 @@
 #include "terrain/pipeline/globe_build.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
@@ -11,6 +13,7 @@
 #include "proto/space/frame.h"
 #include "terrain/imagery/globe_imagery.h"
 #include "terrain/imagery/globe_relief.h"
+#include "terrain/pipeline/globe_refinement.h"
 #include "terrain/pipeline/globe_residual.h"
 #include "terrain/pipeline/scene_parts.h"
 #include "terrain/pipeline/sparse_build.h"
@@ -31,7 +34,8 @@ constexpr uint32_t kMostWhole = 13;  // 4e8 vertices
 // names.
 constexpr uint32_t kMostDeep = 21;
 static_assert((6u << kMostDeep) < 1u << 24 && kMostDeep <= GridTopology::kMaxCubeLog2);
-constexpr uint32_t kNet = 9;  // directions along each side of a patch
+constexpr uint32_t kFinerThanInsets = 2;  // halvings beyond an inset's resolution that a residual may ask for
+constexpr uint32_t kNet = 9;              // directions along each side of a patch
 
 uint32_t log2For(double quarter_m, double spacing_m) {
   return std::max(kCoarsest,
@@ -39,6 +43,13 @@ uint32_t log2For(double quarter_m, double spacing_m) {
 }
 
 double quarterOf(const GlobeInfo& info) { return 0.5 * std::numbers::pi * info.semi_major_m; }
+
+// Steps along a face where an input alone counts, as a power of two.
+uint32_t deepestOf(const GlobeInfo& info, size_t input, bool has_residual) {
+  const uint32_t own = log2For(quarterOf(info), info.inputs[input].spacing_m);
+  const bool may_be_finer = has_residual && input + 1 < info.inputs.size();
+  return may_be_finer ? std::max(own, std::min(own + kFinerThanInsets, kMostDeep)) : own;
+}
 
 // The directions of a window of the lattice, which lies on one face, and of as much again as a node's support reaches.
 GlobePatch patchOf(const GridTopology& grid, uint32_t spacing, const proto::LatticeWindow& window) {
@@ -82,6 +93,23 @@ SceneDatum datumOf(const GlobeInfo& info, const GridTopology& grid, const std::v
                               .residual_m = residuals_m[i] + 0.5 * height_quantum_m,
                               .feather_m = info.inputs[i].feather_m});
   return datum;
+}
+
+std::vector<int> deepestLevels(const GlobeInfo& info) {
+  std::vector<int> levels;
+  for (size_t i = 0; i < info.inputs.size(); ++i) levels.push_back(2 * static_cast<int>(deepestOf(info, i, true)) - 1);
+  return levels;
+}
+
+// Heights are rounded here, but not where the residual is asked for.
+void warnOfResiduals(const GlobeInfo& info, const std::vector<double>& found_m, double asked_m, double quantum_m,
+                     std::vector<std::string>& warnings) {
+  for (size_t i = 0; i + 1 < info.inputs.size(); ++i)
+    if (found_m[i] > asked_m + 0.5 * quantum_m)
+      warnings.push_back(fmt::format(
+          "{}: the globe is up to {:.3g} m off its samples, more than the {:g} m that were asked for; a finer lattice "
+          "would be more than {} times as fine as they are, or finer than a globe can be",
+          info.inputs[i].files.front(), found_m[i], asked_m, 1 << kFinerThanInsets));
 }
 
 // The tiles of a globe, which follow from its ground.
@@ -153,11 +181,10 @@ Error stoppedEarly() { return {ErrorCode::kIo, "stopped before the scene was com
 
 }  // namespace
 
-Result<GlobeDepth> depthOf(const GlobeInfo& info) {
-  GlobeDepth depth{.whole_log2 = log2For(quarterOf(info), info.inputs.back().spacing_m), .deepest_log2 = 0};
-  depth.deepest_log2 = depth.whole_log2;
-  for (const GlobeInput& input : info.inputs)
-    depth.deepest_log2 = std::max(depth.deepest_log2, log2For(quarterOf(info), input.spacing_m));
+Result<GlobeDepth> depthOf(const GlobeInfo& info, std::optional<double> residual_m) {
+  GlobeDepth depth{.whole_log2 = deepestOf(info, info.inputs.size() - 1, false), .deepest_log2 = 0};
+  for (size_t i = 0; i < info.inputs.size(); ++i)
+    depth.deepest_log2 = std::max(depth.deepest_log2, deepestOf(info, i, residual_m.has_value()));
   if (depth.whole_log2 > kMostWhole)
     return Error{ErrorCode::kLimit, info.title + ": its samples are " + std::to_string(info.inputs.back().spacing_m) +
                                         " m apart, and a globe is at most " +
@@ -175,7 +202,7 @@ Result<BuildReport> buildGlobe(const GlobeSource& source, const GlobeOptions& op
   const GlobeInfo& info = source.info();
   if (!(options.height_quantum_m > 0) || !std::isfinite(options.height_quantum_m))
     return Error{ErrorCode::kInvalidArgument, "the vertical step must be a positive number of metres"};
-  const auto depth = depthOf(info);
+  const auto depth = depthOf(info, options.residual_m);
   if (!depth.ok()) return depth.error();
   const auto grid =
       GridTopology::create(GridTopology::cubeShape(depth->deepest_log2, 2 * (depth->deepest_log2 - depth->whole_log2)));
@@ -194,13 +221,19 @@ Result<BuildReport> buildGlobe(const GlobeSource& source, const GlobeOptions& op
     return static_cast<int32_t>(
         std::lround(std::clamp(source.heightAt(direction).metres / options.height_quantum_m, -4e6, 4e6)));
   };
-  progress.report("choosing", 0);
-  std::vector<proto::Slot> pages = pagesOf(source, *grid);
-  const auto keepGoing = [&](double fraction) {
-    progress.report("comparing", fraction);
-    return progress.keepGoing();
+  const auto stage = [&](std::string_view name) {
+    return [&progress, name](double fraction) {
+      progress.report(name, fraction);
+      return progress.keepGoing();
+    };
   };
-  const auto residuals_m = globeResiduals(source, *grid, frame, pages, height, options.threads, keepGoing);
+  progress.report("choosing", 0);
+  auto chosen = options.residual_m ? pagesWithin(*options.residual_m, source, *grid, frame, deepestLevels(info),
+                                                 options.threads, stage("choosing"))
+                                   : std::optional(pagesOf(source, *grid));
+  if (!chosen) return stoppedEarly();
+  std::vector<proto::Slot> pages = std::move(*chosen);
+  const auto residuals_m = globeResiduals(source, *grid, frame, pages, height, options.threads, stage("comparing"));
   if (!residuals_m) return stoppedEarly();
   SceneOrigin origin{.title = info.title, .crs_wkt = {}, .notes = info.notes, .voids_filled = info.voids_filled};
   GlobeTiles tiles(options, frame, progress);
@@ -212,6 +245,8 @@ Result<BuildReport> buildGlobe(const GlobeSource& source, const GlobeOptions& op
       progress);
   if (!report.ok()) return report;
   report->warnings = info.warnings;
+  if (options.residual_m)
+    warnOfResiduals(info, *residuals_m, *options.residual_m, options.height_quantum_m, report->warnings);
   report->imagery = tiles.imagery();
   return report;
 }

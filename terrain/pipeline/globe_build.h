@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,9 @@ struct GlobeOptions {
   std::filesystem::path output;
   double height_quantum_m = 0.1;  // heights become whole quanta: each moves by at most half of one
   unsigned threads = 0;           // 0: one per processor
+  // How far the ground may be above or below insets' samples, metres, before heights are rounded; by default it is as
+  // fine everywhere as the inset that lies there.
+  std::optional<double> residual_m{};
   PageCoding page_coding = PageCoding::kPlain;
   std::vector<ObjectRequest> objects{};  // that stand on it, at latitudes and longitudes
   const GlobePicture* picture = nullptr;
@@ -29,11 +33,12 @@ struct GlobeOptions {
 };
 
 // How fine a globe is: faces of 2^whole_log2 steps a side everywhere, of 2^deepest_log2 where the finest inset is, the
-// fewest with which vertices lie no further apart than samples do.
+// fewest with which vertices lie no further apart than samples do; with a residual, than a quarter of what samples of
+// insets do, or as fine as globes can be.
 struct GlobeDepth {
   uint32_t whole_log2 = 1, deepest_log2 = 1;
 };
-Result<GlobeDepth> depthOf(const GlobeInfo& info);
+Result<GlobeDepth> depthOf(const GlobeInfo& info, std::optional<double> residual_m = {});
 
 // `samples` and sizes of the report are those of the lattice. The scene states for each input by how much the ground
 // that is drawn at full resolution is above or below its samples at most, where it alone counts.

@@ -7,6 +7,9 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <memory>
+#include <optional>
+#include <string>
+#include <vector>
 
 #include "base/rng.h"
 #include "terrain/geo/geodesy.h"
@@ -58,9 +61,12 @@ class Formula final : public GlobeSource {
 };
 
 struct Built {
-  explicit Built(const Formula& source, double quantum_m = 0.1, bool has_sea = false) {
-    const auto report =
-        buildGlobe(source, {.output = path, .height_quantum_m = quantum_m, .threads = 2, .has_sea = has_sea});
+  explicit Built(const Formula& source, double quantum_m = 0.1, bool has_sea = false,
+                 std::optional<double> residual_m = {}) {
+    const auto report = buildGlobe(
+        source,
+        {.output = path, .height_quantum_m = quantum_m, .threads = 2, .residual_m = residual_m, .has_sea = has_sea});
+    if (report.ok()) nodes = report->nodes, warnings = report->warnings;
     EXPECT_TRUE(report.ok()) << (report.ok() ? "" : report.error().message);
     const auto opened = Scene::open(path);
     EXPECT_TRUE(opened.ok()) << (opened.ok() ? "" : opened.error().message);
@@ -69,6 +75,8 @@ struct Built {
   const test::TemporaryFolder folder;
   const std::filesystem::path path = folder / "globe.fls";
   std::shared_ptr<const Scene> scene;
+  uint64_t nodes = 0;
+  std::vector<std::string> warnings;
 };
 
 glm::dvec3 anyDirection(Rng& rng) { return {rng.uniform(-1, 1), rng.uniform(-1, 1), rng.uniform(-1, 1)}; }
@@ -179,6 +187,36 @@ TEST(GlobeBuild, StatesHowFarItIsFromSamples) {
   source.samples[of_base].metres += 7;
   const Built wrong(source);
   EXPECT_NEAR(wrong.scene->inputs()[1].residual_m, 7.05, 0.06);
+}
+
+TEST(GlobeBuild, IsAsDeepAsTheResidualThatIsAskedForTakes) {
+  const uint64_t seed = test::randomSeed();
+  Rng rng(seed);
+  const glm::dvec3 middle = glm::normalize(anyDirection(rng));
+  Formula source(middle);
+  source.samples.clear();
+  while (source.samples.size() < 4'000) {
+    const glm::dvec3 d = glm::normalize(middle + kInset_rad * anyDirection(rng));
+    if (source.heightAt(d).owner == 0) source.samples.push_back({d, Formula::metres(d)});
+  }
+  // More than the base is off them takes nothing; a millimetre is closer than a quarter of 62 m can be.
+  uint64_t fewer = 0;
+  for (const double residual_m : {100.0, 3.0, 0.5, 0.001}) {
+    const Built built(source, 0.001, false, residual_m);
+    ASSERT_TRUE(built.scene);
+    const uint64_t deep = built.scene->pages().blocks().size();
+    EXPECT_EQ(deep == 0, residual_m == 100) << "seed " << seed;
+    EXPECT_GT(built.nodes, fewer) << residual_m << ", seed " << seed;
+    fewer = built.nodes;
+    const double stated_m = built.scene->inputs()[0].residual_m;
+    EXPECT_EQ(stated_m <= residual_m + 0.001 + 1e-6, residual_m > 0.1) << stated_m << ", seed " << seed;
+    EXPECT_EQ(built.warnings.empty(), residual_m > 0.1) << "seed " << seed;
+    const auto report = verifyScene(built.path, 2);
+    ASSERT_TRUE(report.ok());
+    EXPECT_TRUE(report->sound()) << report->first_faults.front();
+  }
+  // A quarter of the distance between samples.
+  EXPECT_EQ(depthOf(source.info(), 1.0)->deepest_log2, 11u);
 }
 
 TEST(GlobeBuild, RefusesWhatIsTooFine) {
