@@ -33,7 +33,7 @@ int fail(const Error& error) {
 }
 
 // What all pictures of a scene share. Full resolution is built only if it is drawn or measured against, anew for each
-// scene time.
+// scene time, and of a globe for each picture.
 class Studio {
  public:
   static Result<Studio> open(const RenderOptions& options) {
@@ -46,6 +46,11 @@ class Studio {
     if (options.scene_clock && (*scene)->epochs().epochs().empty())
       return Error{ErrorCode::kInvalidArgument,
                    options.scene.string() + ": does not change in time, so there is no --scene-from or --scene-speed"};
+    if ((*scene)->grid().isCube() && options.errors == Errors::kMeasured)
+      return Error{ErrorCode::kUnsupported,
+                   options.scene.string() +
+                       ": is a globe, whose vertices have parameters of several faces; `foreland fly --truth` measures "
+                       "errors on globes"};
     Studio studio(options, *scene, std::move(*shading), exactSections(*scene, std::move(*objects)));
     if (!options.viewshed.from) return studio;
     auto tint = ViewshedTint::of(options.viewshed, *scene);
@@ -62,7 +67,7 @@ class Studio {
   };
   // `time` is since the flight's beginning.
   Result<Shot> take(const proto::Pose& pose, Time time) {
-    if (Status s = showAt(time); !s.ok()) return s.error();
+    if (Status s = showAt(time, pose.eye); !s.ok()) return s.error();
     const terrain::Camera camera{pose, options_->lens};
     std::optional<terrain::DrawnSurface> drawn;
     if (options_->drawn == Drawn::kSection || options_->errors == Errors::kMeasured)
@@ -89,15 +94,16 @@ class Studio {
         shading_(std::move(shading)),
         section_at_(std::move(section_at)) {}
 
-  Status showAt(Time time) {
+  Status showAt(Time time, const glm::dvec3& eye) {
     const proto::Epochs& epochs = scene_->epochs().epochs();
     const Time before = scene_time_;
     if (!epochs.empty())
       scene_time_ = options_->scene_clock ? options_->scene_clock->timeAt(epochs, time) : epochs.first();
     const bool is_needed = options_->drawn == Drawn::kFull || options_->errors == Errors::kMeasured;
-    if (!is_needed || (full_ && scene_time_ == before)) return {};
+    const bool is_globe = scene_->grid().isCube();
+    if (!is_needed || (full_ && scene_time_ == before && !is_globe)) return {};
     full_.reset();  // before the next one takes as much memory
-    auto full = terrain::RayCaster::ofScene(scene_, scene_time_);
+    auto full = is_globe ? terrain::RayCaster::ofGlobe(scene_, eye) : terrain::RayCaster::ofScene(scene_, scene_time_);
     if (!full.ok()) return full.error();
     full_ = std::move(*full);
     return {};
@@ -117,7 +123,7 @@ class Studio {
   terrain::Shading shading_;
   oracle::SectionAt section_at_;
   Time scene_time_;
-  std::optional<terrain::RayCaster> full_;  // at scene_time_
+  std::optional<terrain::RayCaster> full_;  // at scene_time_; of a globe from the eye
   std::optional<ViewshedTint> tint_;
 };
 

@@ -1,6 +1,6 @@
 // A ray caster of all that a scene file holds. The terrain is a quad a cell, turned such that its diagonal is that of
-// the finest section's two triangles, or a quad a flat square (flat_squares.h) where it is fine in places only; objects
-// are instances of their models.
+// the finest section's two triangles, or a quad a flat square (flat_squares.h) where it is fine in places only; of
+// globes it is the finest section's triangles themselves. Objects are instances of their models.
 #include <algorithm>
 #include <glm/common.hpp>
 #include <glm/gtc/quaternion.hpp>
@@ -10,7 +10,7 @@
 #include "proto/space/frame_grid.h"
 #include "proto/topology/mesh_triangles.h"
 #include "terrain/objects/placed_objects.h"
-#include "terrain/render/triangle_source.h"
+#include "terrain/render/full_ground.h"
 #include "terrain/store/flat_squares.h"
 
 namespace foreland::terrain {
@@ -30,7 +30,7 @@ std::array<NodeId, 4> cornersOf(uint32_t x, uint32_t y, uint32_t side = 1) {
   return (x / side + y / side) % 2 == 0 ? std::array{nw, sw, se, ne} : std::array{sw, se, ne, nw};
 }
 
-class FullTerrain {
+class FullTerrain final : public FullGround {
  public:
   FullTerrain(std::shared_ptr<const Scene> scene, const proto::EpochWeights& ground)
       : scene_(std::move(scene)),
@@ -44,11 +44,10 @@ class FullTerrain {
       });
   }
 
-  // Whether it is more than is cast rays at.
-  bool isTooLarge() const { return squares_.size() > kMaxSquares; }
+  bool isTooLarge() const override { return squares_.size() > kMaxSquares; }
   glm::dvec3 middle() const { return position(NodeId::at(columns_ / 2, rows_ / 2)); }
 
-  void addTo(EmbreeScene& embree, const glm::dvec3& origin) const {
+  void addTo(EmbreeScene& embree, const glm::dvec3& origin) const override {
     if (!squares_.empty()) return addSquaresTo(embree, origin);
     const size_t cells = size_t{columns_ - 1} * (rows_ - 1);
     embree.addQuads(size_t{columns_} * rows_, cells, [&](std::span<glm::vec3> vertices, std::span<glm::uvec4> quads) {
@@ -60,7 +59,7 @@ class FullTerrain {
     });
   }
 
-  std::array<TriangleCorner, 3> corners(const EmbreeHit& hit) const {
+  std::array<TriangleCorner, 3> corners(const EmbreeHit& hit) const override {
     const std::array<NodeId, 4> cell = cellOf(hit.primitive);
     if (hit.is_second) return {corner(cell[2]), corner(cell[3]), corner(cell[1])};
     return {corner(cell[0]), corner(cell[1]), corner(cell[3])};
@@ -180,19 +179,16 @@ class FullModel {
 // Geometry 0 is the terrain, geometry 1 + i object i.
 class FullTriangles final : public TriangleSource {
  public:
-  FullTriangles(std::shared_ptr<const Scene> scene, const proto::EpochWeights& ground, PlacedObjects objects)
-      : terrain_(std::move(scene), ground), ground_(ground), objects_(std::move(objects)) {
+  FullTriangles(std::unique_ptr<const FullGround> terrain, const proto::EpochWeights& ground, PlacedObjects objects)
+      : terrain_(std::move(terrain)), ground_(ground), objects_(std::move(objects)) {
     for (const proto::ObjectPlacement& p : objects_.set.placements()) {
       placements_.push_back(p);
       if (!p.rise.isStill()) placements_.back().position += p.rise.at(ground_);
     }
   }
 
-  glm::dvec3 middle() const { return terrain_.middle(); }
-  bool isTooLarge() const { return terrain_.isTooLarge(); }
-
   Status addTo(EmbreeScene& embree, const glm::dvec3& origin) {
-    terrain_.addTo(embree, origin);
+    terrain_->addTo(embree, origin);
     for (size_t i = 0; i < objects_.models.size(); ++i) {
       models_.push_back(
           std::make_unique<FullModel>(objects_.models[i], objects_.set.posesOfModel(i).weightsAt(ground_), embree));
@@ -206,7 +202,7 @@ class FullTriangles final : public TriangleSource {
   }
 
   std::array<TriangleCorner, 3> corners(const EmbreeHit& hit) const override {
-    if (hit.instance == EmbreeHit::kNone) return terrain_.corners(hit);
+    if (hit.instance == EmbreeHit::kNone) return terrain_->corners(hit);
     const proto::ObjectPlacement& placement = placements_[static_cast<size_t>(object(hit))];
     std::array<TriangleCorner, 3> corners;
     for (size_t i = 0; i < 3; ++i) {
@@ -220,12 +216,30 @@ class FullTriangles final : public TriangleSource {
   }
 
  private:
-  FullTerrain terrain_;
+  std::unique_ptr<const FullGround> terrain_;
   proto::EpochWeights ground_;
   PlacedObjects objects_;
   std::vector<proto::ObjectPlacement> placements_;  // carried by the ground
   std::vector<std::unique_ptr<FullModel>> models_;
 };
+
+// Rays on the ground and what stands on it; in `ground` of the scene's time, relative to an origin.
+Result<std::unique_ptr<const RayCaster::Impl>> castable(std::unique_ptr<const FullGround> terrain,
+                                                        const std::shared_ptr<const Scene>& scene,
+                                                        const proto::EpochWeights& ground, const glm::dvec3& origin) {
+  if (terrain->isTooLarge())
+    return Error{ErrorCode::kLimit,
+                 "ray casting: the scene has more than 2^25 squares of ground, or 2^26 triangles, which are the most"};
+  Result<PlacedObjects> objects = readObjects(scene);
+  if (!objects.ok()) return objects.error();
+  auto triangles = std::make_unique<FullTriangles>(std::move(terrain), ground, std::move(*objects));
+  auto impl = std::make_unique<RayCaster::Impl>();
+  impl->origin = origin;
+  if (Status s = triangles->addTo(impl->embree, origin); !s.ok()) return s.error();
+  if (Status s = impl->embree.commit(); !s.ok()) return s.error();
+  impl->triangles = std::move(triangles);
+  return std::unique_ptr<const RayCaster::Impl>(std::move(impl));
+}
 
 }  // namespace
 
@@ -234,24 +248,24 @@ Result<RayCaster> RayCaster::ofScene(std::shared_ptr<const Scene> scene, Time sc
   // Floats about one origin are half a metre apart as far from it as a planet's radius.
   if (shape.is_cube)
     return Error{ErrorCode::kUnsupported,
-                 "ray casting: the scene is a globe, and rays are cast in single precision about "
-                 "its middle, too coarse to show the ground; the page shows globes"};
+                 "ray casting: the scene is a globe, of which rays are cast from one place at a time alone"};
   if (!scene->isSparse() && uint64_t{shape.samples_x} * shape.samples_y > kMaxSamples)
     return Error{ErrorCode::kLimit, "ray casting: the scene has " + std::to_string(shape.samples_x) + " x " +
                                         std::to_string(shape.samples_y) + " samples, 2^28 are the most"};
-  Result<PlacedObjects> objects = readObjects(scene);
-  if (!objects.ok()) return objects.error();
   const proto::Epochs& epochs = scene->epochs().epochs();
   const proto::EpochWeights ground = epochs.empty() ? proto::EpochWeights{} : epochs.weightsAt(scene_time);
-  auto triangles = std::make_unique<FullTriangles>(std::move(scene), ground, std::move(*objects));
-  if (triangles->isTooLarge())
-    return Error{ErrorCode::kLimit, "ray casting: the scene has more than 2^25 squares of ground, which are the most"};
-  auto impl = std::make_unique<Impl>();
-  impl->origin = glm::round(triangles->middle());
-  if (Status s = triangles->addTo(impl->embree, impl->origin); !s.ok()) return s.error();
-  if (Status s = impl->embree.commit(); !s.ok()) return s.error();
-  impl->triangles = std::move(triangles);
-  return RayCaster(std::move(impl));
+  auto terrain = std::make_unique<FullTerrain>(scene, ground);
+  const glm::dvec3 origin = glm::round(terrain->middle());
+  auto impl = castable(std::move(terrain), scene, ground, origin);
+  if (!impl.ok()) return impl.error();
+  return RayCaster(std::move(*impl));
+}
+
+Result<RayCaster> RayCaster::ofGlobe(std::shared_ptr<const Scene> scene, const glm::dvec3& eye) {
+  CHECK_TRUE(scene->grid().isCube());
+  auto impl = castable(fullGlobe(scene, eye), scene, {}, eye);
+  if (!impl.ok()) return impl.error();
+  return RayCaster(std::move(*impl));
 }
 
 }  // namespace foreland::terrain

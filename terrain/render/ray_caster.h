@@ -9,7 +9,8 @@
 // own origin); the point is then computed on that triangle in doubles. So a hit lies on the surface to 1e-6 m, and
 // along the ray to 1e-6 m unless the ray passes within the floats' error of the triangle's border: then another
 // triangle may be taken, or a ridge just missed or met. That error is at most 2^-20 of the largest distance from the
-// origin: 1 cm for a scene of 20 km, 10 cm for one of 200 km. There the point is the nearest on the triangle chosen.
+// origin: 1 cm for a scene of 20 km, 10 cm for one of 200 km. There the point is the nearest on the triangle chosen. Of
+// globes the origin is the eye, so that error is as small on a picture wherever it is.
 //
 // Immutable after creation; any thread may cast. A full-resolution caster holds about 45 bytes a triangle and reads the
 // scene's heights. Building it takes about half a microsecond a triangle on two processors, a ray about a microsecond
@@ -68,8 +69,11 @@ class RayCaster {
  public:
   // All that the scene file holds, at full resolution; in scenes that change in time as it is at `scene_time`, before
   // the first epoch as at it. An Error if its objects are damaged, or if it does not fit into memory (more than 2^28
-  // samples are refused at once).
+  // samples are refused at once), or is a globe.
   static Result<RayCaster> ofScene(std::shared_ptr<const Scene> scene, Time scene_time = {-proto::Epochs::kMaxTime_us});
+  // Of a globe, for rays from `eye` alone: about it floats are exact enough at any distance, and what the body hides
+  // from it is left out. An Error as of ofScene(), and where more than 2^26 triangles of ground may be seen.
+  static Result<RayCaster> ofGlobe(std::shared_ptr<const Scene> scene, const glm::dvec3& eye);
   static Result<RayCaster> ofSurface(DrawnSurface surface);
   ~RayCaster();
   RayCaster(RayCaster&&) noexcept;

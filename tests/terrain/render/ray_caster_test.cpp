@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cmath>
+#include <functional>
 #include <glm/geometric.hpp>
 #include <vector>
 
@@ -14,8 +15,10 @@
 #include "oracle/scene_truth.h"
 #include "proto/space/frame_grid.h"
 #include "terrain/render/parameter_lookup.h"
+#include "tests/support/globe_scene.h"
 #include "tests/support/hand_mesh.h"
 #include "tests/support/scene.h"
+#include "tests/support/seed.h"
 #include "tests/support/surface_file.h"
 
 namespace foreland::test {
@@ -59,6 +62,37 @@ std::vector<ReferenceTriangle> finestTriangles(const terrain::Scene& scene, cons
         }
         if (is_inside) triangles.push_back(t);
       }
+  return triangles;
+}
+
+// By halving, face by face, as long as a node is there. Heights and positions are those of names.
+std::vector<ReferenceTriangle> trianglesOfGlobe(const terrain::Scene& scene) {
+  const proto::GridTopology& grid = scene.grid();
+  const proto::FrameTransform transform(scene.frame());
+  const auto w = static_cast<int>(grid.rootSize());
+  std::vector<ReferenceTriangle> triangles;
+  for (uint32_t face = 0; face < 6; ++face) {
+    const auto nameOf = [&](glm::ivec2 p) { return grid.cube().name({face, p.x, p.y}); };
+    const std::function<void(glm::ivec2, glm::ivec2, glm::ivec2, int)> halve = [&](glm::ivec2 a, glm::ivec2 b,
+                                                                                   glm::ivec2 apex, int level) {
+      const glm::ivec2 m = (a + b) / 2;
+      if (level <= grid.maxLevel() && scene.pages().hasPage(grid.slot(nameOf(m), level))) {
+        halve(a, apex, m, level + 1);
+        halve(apex, b, m, level + 1);
+        return;
+      }
+      ReferenceTriangle t;
+      for (size_t i = 0; i < 3; ++i) {
+        const glm::ivec2 p = i == 0 ? a : i == 1 ? b : apex;
+        const proto::NodeId n = nameOf(p);
+        t.lattice[i] = glm::dvec2(p) + glm::dvec2(face * static_cast<uint32_t>(w), 0);
+        t.at[i] = transform.vertexOfGlobe(n.x(), n.y(), scene.height(n) * scene.frame().height_quantum_m);
+      }
+      triangles.push_back(t);
+    };
+    const glm::ivec2 corners[] = {{0, 0}, {w, 0}, {w, w}, {0, w}};
+    for (int i = 0; i < 4; ++i) halve(corners[i], corners[(i + 1) % 4], glm::ivec2(w / 2), 1);
+  }
   return triangles;
 }
 
@@ -158,6 +192,41 @@ TEST_P(RayCasterFrames, FindsTheGroundOfASceneTime) {
 
 INSTANTIATE_TEST_SUITE_P(Both, RayCasterFrames,
                          testing::Values(proto::FrameKind::kPlanar, proto::FrameKind::kGeographic));
+
+// From a few metres above the ground of a globe that is fine in places to a body's radius above it.
+TEST(RayCaster, FindsWhatTryingEveryTriangleOfAGlobeFinds) {
+  const uint64_t seed = randomSeed();
+  Rng rng(seed);
+  const auto scene = makeGlobeScene(6, seed, 2);
+  const std::vector<ReferenceTriangle> triangles = trianglesOfGlobe(*scene);
+  const proto::FrameTransform transform(scene->frame());
+  int hits = 0, fine = 0;
+  for (int k = 0; k < 12; ++k) {
+    // Every other time above what is fine, next to a corner of the cube.
+    const glm::dvec3 d = k % 2 == 0 ? glm::dvec3(rng.uniform(-1, 1), rng.uniform(-1, 1), rng.uniform(-1, 1))
+                                    : glm::dvec3(1, -0.97 + rng.uniform(0, 0.05), -0.97);
+    const glm::dvec3 eye = transform.spheroid().position(d, k < 6 ? rng.uniform(500, 1'500) : 2e4);
+    const auto caster = RayCaster::ofGlobe(scene, eye);
+    ASSERT_TRUE(caster.ok());
+    for (int i = 0; i < 200; ++i) {
+      const glm::dvec3 aside(rng.uniform(-1, 1), rng.uniform(-1, 1), rng.uniform(-1, 1));
+      const Ray ray{eye, glm::normalize(glm::normalize(aside) - (k < 6 ? 0.6 : 1.5) * glm::normalize(eye))};
+      const ReferenceHit expected = tryAll(triangles, ray);
+      const std::optional<RayHit> hit = caster->hit(ray);
+      ASSERT_EQ(hit.has_value(), std::isfinite(expected.distance_m)) << "seed " << seed << " eye " << k << " ray " << i;
+      if (!hit) continue;
+      ++hits;
+      const bool is_inside = expected.border > 1e-4;
+      ASSERT_NEAR(hit->distance_m, expected.distance_m, is_inside ? 1e-6 : 1) << "seed " << seed;
+      if (!is_inside) continue;
+      ASSERT_NEAR(glm::distance(hit->parameter, expected.lattice), 0, 1e-6) << "seed " << seed;
+      fine += glm::distance(expected.triangle->lattice[0], expected.triangle->lattice[1]) < 2.5 ? 1 : 0;
+    }
+  }
+  EXPECT_GT(hits, 800);
+  EXPECT_GT(fine, 20);
+  EXPECT_FALSE(RayCaster::ofScene(scene).ok());
+}
 
 // z = 100 + 0.2 x + 0.5 y, which whole steps of 0.1 m hold at every sample; spacing 10 m.
 TEST(RayCaster, GivesThePlanesOwnDepth) {
