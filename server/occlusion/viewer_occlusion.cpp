@@ -311,7 +311,10 @@ uint32_t ViewerOcclusion::changes(const BlockId& lowest, uint32_t known, uint32_
 
 // Of a square of a scale (block_tops.h).
 ViewerOcclusion::InView ViewerOcclusion::inView(uint32_t scale, uint32_t i, uint32_t j) const {
-  if (scene_.globe) return globeInView(scale, i, j);
+  if (scene_.globe) {
+    const Ball& ball = globeBall(scale, i, j);
+    return inView(ball.middle, ball.radius_m + view_->region_radius_m);
+  }
   const proto::GridTopology& grid = hierarchy_.grid();
   const auto range = hierarchy_.scene().heightRange();
   int32_t bottom = range.lowest, top = range.highest;
@@ -331,15 +334,23 @@ ViewerOcclusion::InView ViewerOcclusion::inView(uint32_t scale, uint32_t i, uint
   return inView(middle, radius);
 }
 
-// What is no part of one face may be.
-ViewerOcclusion::InView ViewerOcclusion::globeInView(uint32_t scale, uint32_t i, uint32_t j) const {
+// About all of a square of a globe; so large that it is in view where it is no part of one face. What is read from pages
+// for it is read once, as long as no other square takes its place.
+const ViewerOcclusion::Ball& ViewerOcclusion::globeBall(uint32_t scale, uint32_t i, uint32_t j) const {
+  constexpr uint32_t kBallsLog2 = 12;
+  if (balls_.empty()) balls_.resize(size_t{1} << kBallsLog2);
+  const uint64_t key = (uint64_t{scale + 1} << 28 | j) << 28 | i;
+  Ball& ball = balls_[key * 0x9E3779B97F4A7C15u >> (64 - kBallsLog2)];
+  if (ball.key == key) return ball;
+  ball = {key, glm::dvec3(0), std::numeric_limits<double>::infinity()};
   const auto hull = scene_.globe->squares.hullOf(scale, i, j);
-  if (!hull) return InView::kPartly;
-  glm::dvec3 middle(0);
-  for (const glm::dvec3& corner : hull->corners) middle += 0.25 * corner;
-  double radius = 0;
-  for (const glm::dvec3& corner : hull->corners) radius = std::max(radius, glm::distance(middle, corner));
-  return inView(middle, radius + hull->error_m + view_->region_radius_m);
+  if (!hull) return ball;
+  ball.radius_m = 0;
+  for (const glm::dvec3& corner : hull->corners) ball.middle += 0.25 * corner;
+  for (const glm::dvec3& corner : hull->corners)
+    ball.radius_m = std::max(ball.radius_m, glm::distance(ball.middle, corner));
+  ball.radius_m += hull->error_m;
+  return ball;
 }
 
 // Of a ball.
@@ -350,7 +361,7 @@ ViewerOcclusion::InView ViewerOcclusion::inView(const glm::dvec3& middle, double
 }
 
 size_t ViewerOcclusion::bytes() const {
-  return sizeof(*this) + proofs_.bytes() + spans_.bytes() + (objects_ ? objects_->bytes() : 0);
+  return sizeof(*this) + balls_.capacity() * sizeof(Ball) + proofs_.bytes() + spans_.bytes() + (objects_ ? objects_->bytes() : 0);
 }
 
 }  // namespace foreland::server

@@ -20,7 +20,10 @@
 
 #include <array>
 #include <cstdint>
+#include <glm/vec3.hpp>
+#include <memory>
 #include <optional>
+#include <vector>
 
 #include "proto/refine/metric/frustum.h"
 #include "server/occlusion/block_test.h"
@@ -98,7 +101,12 @@ class ViewerOcclusion final : public proto::BlockVisibility, public ObjectVisibi
 
   enum class InView : uint8_t { kNot, kPartly, kWholly };
   InView inView(uint32_t scale, uint32_t i, uint32_t j) const;
-  InView globeInView(uint32_t scale, uint32_t i, uint32_t j) const;
+  struct Ball {
+    uint64_t key = 0;
+    glm::dvec3 middle{0};
+    double radius_m = 0;
+  };
+  const Ball& globeBall(uint32_t scale, uint32_t i, uint32_t j) const;
   InView inView(const glm::dvec3& middle, double radius) const;
   bool hides(PathSpan& span, const proto::BlockId& block, Towards towards);
   bool isBehindObject(const proto::BlockId& block, const EyeCapsule& eyes);
@@ -136,6 +144,7 @@ class ViewerOcclusion final : public proto::BlockVisibility, public ObjectVisibi
   uint64_t last_ray_ = 0;
   size_t horizon_bytes_ = 0;  // All horizons take at most so many bytes in this keyframe.
   BlockProofs proofs_;
+  mutable std::vector<Ball> balls_;       // of squares of a globe that were looked at, by their names' hashes
   std::optional<ViewerObjects> objects_;  // The scene has some.
   uint32_t solid_hint_ = ObjectSolids::kNone;
   OcclusionStatistics statistics_;
