@@ -92,19 +92,19 @@ std::vector<Corners> drawnIn(const client::FrameView& view) {
   return drawn;
 }
 
-struct Flown {
+struct ValleyFlight {
   uint64_t bytes = 0, nodes = 0, hits = 0;
   double worst = 0;  // of what rays meet first, how far from the true ground: tolerances
 };
 
-Flown fly(const Valley& valley, server::Occlusion occlusion, uint64_t seed) {
+ValleyFlight fly(const Valley& valley, server::Occlusion occlusion, uint64_t seed) {
   Rng rng(seed);
   auto shared = server::openWorld(valley.scene(), occlusion);
   sim::World world(
       *shared, {.occlusion = occlusion}, [](const sim::StepWork&) { return Duration::milliseconds(4); }, 1);
   const sim::ClientOptions options = valley.client();
   world.addClient(options);
-  Flown flown;
+  ValleyFlight flown;
   uint64_t frames = 0;
   world.on_frame = [&](size_t, const client::FrameView& view, Time) {
     if (frames++ % 97 != 40 || std::isinf(view.tolerance_px)) return;
@@ -142,7 +142,7 @@ TEST(GlobeHidden, NothingIsSeenInAValleyButGroundThatIsThereAndLessIsSent) {
   const uint64_t seed = randomSeed();
   SCOPED_TRACE(testing::Message() << "seed " << seed);
   const Valley valley(seed);
-  const Flown all = fly(valley, server::Occlusion::kOff, seed), seen = fly(valley, server::Occlusion::kOn, seed);
+  const ValleyFlight all = fly(valley, server::Occlusion::kOff, seed), seen = fly(valley, server::Occlusion::kOn, seed);
   EXPECT_GT(seen.hits, 60u);
   EXPECT_LE(seen.worst, 1.001);
   EXPECT_LE(all.worst, 1.001);

@@ -18,7 +18,7 @@ namespace {
 using proto::NodeId;
 
 constexpr uint32_t kLog2 = 5, kSide = 1u << kLog2;
-const proto::Lens kLens{.vertical_fov_rad = 1.2, .width_px = 800, .height_px = 800};
+const proto::Lens kWideLens{.vertical_fov_rad = 1.2, .width_px = 800, .height_px = 800};
 
 TEST(CubeFaces, NamesEveryVertexAsTheEngineDoes) {
   const CubeFaces faces(kLog2);
@@ -80,7 +80,7 @@ TEST(GlobeOracle, FindsNothingWrongWithAGlobeAtFullResolution) {
   Patchwork oracle = globeOracle(scene);
   for (const glm::dvec3& d :
        {glm::dvec3(1, 1, 1), glm::dvec3(0, 0, 1), glm::dvec3(-1, 0.01, 0), glm::dvec3(1, -1, 0.2)}) {
-    const Deviation found = oracle.error(mesh, 0.5, viewFrom(d, rng.uniform(5'000, 60'000)), kLens);
+    const Deviation found = oracle.error(mesh, 0.5, viewFrom(d, rng.uniform(5'000, 60'000)), kWideLens);
     EXPECT_LT(found.max_px, 1e-3) << "seed " << seed;
     EXPECT_EQ(found.uncovered, 0u) << "seed " << seed;
     EXPECT_GT(found.samples, 40u);
@@ -99,15 +99,15 @@ TEST(GlobeOracle, MeasuresALiftedVertexAndFindsHoles) {
   while (mesh.parameters[v] != glm::vec2(on_edge.x(), on_edge.y())) ++v;
   const glm::dvec3 n = glm::normalize(glm::dvec3(mesh.from_positions[v]));
   mesh.from_positions[v] += glm::vec4(20.0 * n, 0);
-  const Deviation near = oracle.error(mesh, 0, viewFrom(n + glm::dvec3(0, 0, 0.3), 8'000), kLens);
+  const Deviation near = oracle.error(mesh, 0, viewFrom(n + glm::dvec3(0, 0, 0.3), 8'000), kWideLens);
   EXPECT_GT(near.max_px, 0.3) << "seed " << seed;
   EXPECT_NEAR(near.max_m, 20, 0.1);
   EXPECT_EQ(near.worst_sample, glm::uvec2(on_edge.x(), on_edge.y()));
   // Behind the body nobody sees it, as large as it may be.
   mesh.from_positions[v] -= glm::vec4(9'000.0 * n, 0);
-  EXPECT_LT(oracle.error(mesh, 0, viewFrom(-n, 40'000), kLens).max_px, 1.001) << "seed " << seed;
+  EXPECT_LT(oracle.error(mesh, 0, viewFrom(-n, 40'000), kWideLens).max_px, 1.001) << "seed " << seed;
   mesh.indices.resize(mesh.indices.size() - 6 * kSide);  // a row of the last face
-  EXPECT_GT(oracle.error(mesh, 1, viewFrom(glm::dvec3(0, 0.3, -1), 30'000), kLens).uncovered, 10u);
+  EXPECT_GT(oracle.error(mesh, 1, viewFrom(glm::dvec3(0, 0.3, -1), 30'000), kWideLens).uncovered, 10u);
 }
 
 TEST(GlobeOracle, JudgesDeepVerticesWhereTheyAreThere) {
