@@ -334,8 +334,8 @@ ViewerOcclusion::InView ViewerOcclusion::inView(uint32_t scale, uint32_t i, uint
   return inView(middle, radius);
 }
 
-// About all of a square of a globe; so large that it is in view where it is no part of one face. What is read from pages
-// for it is read once, as long as no other square takes its place.
+// About all of a square of a globe; so large that it is in view where it is no part of one face. What is read from
+// pages for it is read once, as long as no other square takes its place.
 const ViewerOcclusion::Ball& ViewerOcclusion::globeBall(uint32_t scale, uint32_t i, uint32_t j) const {
   constexpr uint32_t kBallsLog2 = 12;
   if (balls_.empty()) balls_.resize(size_t{1} << kBallsLog2);
@@ -361,7 +361,8 @@ ViewerOcclusion::InView ViewerOcclusion::inView(const glm::dvec3& middle, double
 }
 
 size_t ViewerOcclusion::bytes() const {
-  return sizeof(*this) + balls_.capacity() * sizeof(Ball) + proofs_.bytes() + spans_.bytes() + (objects_ ? objects_->bytes() : 0);
+  return sizeof(*this) + balls_.capacity() * sizeof(Ball) + proofs_.bytes() + spans_.bytes() +
+         (objects_ ? objects_->bytes() : 0);
 }
 
 }  // namespace foreland::server

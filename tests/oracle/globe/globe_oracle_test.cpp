@@ -17,15 +17,15 @@ namespace {
 
 using proto::NodeId;
 
-constexpr uint32_t kLog2 = 5, kSide = 1u << kLog2;
+constexpr uint32_t kGlobeLog2 = 5, kGlobeSide = 1u << kGlobeLog2;
 const proto::Lens kWideLens{.vertical_fov_rad = 1.2, .width_px = 800, .height_px = 800};
 
 TEST(CubeFaces, NamesEveryVertexAsTheEngineDoes) {
-  const CubeFaces faces(kLog2);
-  const proto::Cube cube(kLog2);
+  const CubeFaces faces(kGlobeLog2);
+  const proto::Cube cube(kGlobeLog2);
   for (uint32_t face = 0; face < 6; ++face)
-    for (int32_t y = 0; y <= static_cast<int32_t>(kSide); ++y)
-      for (int32_t x = 0; x <= static_cast<int32_t>(kSide); ++x) {
+    for (int32_t y = 0; y <= static_cast<int32_t>(kGlobeSide); ++y)
+      for (int32_t x = 0; x <= static_cast<int32_t>(kGlobeSide); ++x) {
         const NodeId name = cube.name({face, x, y});
         const CubeFaces::Point point = faces.pointOn(face, {x, y});
         ASSERT_EQ(faces.nameOf(point), name) << face << ": " << x << ", " << y;
@@ -74,9 +74,9 @@ TEST(CubeFaces, HidesWhatLinesThroughTheBodyReach) {
 TEST(GlobeOracle, FindsNothingWrongWithAGlobeAtFullResolution) {
   const uint64_t seed = test::randomSeed();
   Rng rng(seed);
-  const auto scene = test::makeGlobeScene(kLog2, seed);
-  const client::KeyframeMesh mesh = wholeGlobe(*scene, kSide);
-  EXPECT_EQ(mesh.parameters.size(), 6u * kSide * kSide + 2);
+  const auto scene = test::makeGlobeScene(kGlobeLog2, seed);
+  const client::KeyframeMesh mesh = wholeGlobe(*scene, kGlobeSide);
+  EXPECT_EQ(mesh.parameters.size(), 6u * kGlobeSide * kGlobeSide + 2);
   Patchwork oracle = globeOracle(scene);
   for (const glm::dvec3& d :
        {glm::dvec3(1, 1, 1), glm::dvec3(0, 0, 1), glm::dvec3(-1, 0.01, 0), glm::dvec3(1, -1, 0.2)}) {
@@ -89,12 +89,12 @@ TEST(GlobeOracle, FindsNothingWrongWithAGlobeAtFullResolution) {
 
 TEST(GlobeOracle, MeasuresALiftedVertexAndFindsHoles) {
   const uint64_t seed = test::randomSeed();
-  const auto scene = test::makeGlobeScene(kLog2, seed);
-  client::KeyframeMesh mesh = wholeGlobe(*scene, kSide);
+  const auto scene = test::makeGlobeScene(kGlobeLog2, seed);
+  client::KeyframeMesh mesh = wholeGlobe(*scene, kGlobeSide);
   Patchwork oracle = globeOracle(scene);
   oracle.setSight({{}, 1});
   // On an edge of the cube, seen from the side.
-  const NodeId on_edge = NodeId::at(kSide, kSide / 2);
+  const NodeId on_edge = NodeId::at(kGlobeSide, kGlobeSide / 2);
   size_t v = 0;
   while (mesh.parameters[v] != glm::vec2(on_edge.x(), on_edge.y())) ++v;
   const glm::dvec3 n = glm::normalize(glm::dvec3(mesh.from_positions[v]));
@@ -106,13 +106,13 @@ TEST(GlobeOracle, MeasuresALiftedVertexAndFindsHoles) {
   // Behind the body nobody sees it, as large as it may be.
   mesh.from_positions[v] -= glm::vec4(9'000.0 * n, 0);
   EXPECT_LT(oracle.error(mesh, 0, viewFrom(-n, 40'000), kWideLens).max_px, 1.001) << "seed " << seed;
-  mesh.indices.resize(mesh.indices.size() - 6 * kSide);  // a row of the last face
+  mesh.indices.resize(mesh.indices.size() - 6 * kGlobeSide);  // a row of the last face
   EXPECT_GT(oracle.error(mesh, 1, viewFrom(glm::dvec3(0, 0.3, -1), 30'000), kWideLens).uncovered, 10u);
 }
 
 TEST(GlobeOracle, JudgesDeepVerticesWhereTheyAreThere) {
   const uint64_t seed = test::randomSeed();
-  const auto scene = test::makeGlobeScene(kLog2 + 2, seed, 4);
+  const auto scene = test::makeGlobeScene(kGlobeLog2 + 2, seed, 4);
   EXPECT_TRUE(scene->isSparse());
   Patchwork oracle = globeOracle(scene);
   // Nothing is drawn: all that is there is uncovered, each vertex once but for those of edges.
@@ -126,7 +126,7 @@ TEST(GlobeOracle, JudgesDeepVerticesWhereTheyAreThere) {
       there += scene->grid().node(slot) != NodeId{} ? 1 : 0;
   });
   EXPECT_GE(uncovered, 2 * there);
-  EXPECT_LE(uncovered, 2 * (there + 14 + 12 * (kSide * 4 + 1)));
+  EXPECT_LE(uncovered, 2 * (there + 14 + 12 * (kGlobeSide * 4 + 1)));
 }
 
 }  // namespace

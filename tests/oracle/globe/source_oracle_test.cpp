@@ -16,12 +16,12 @@
 namespace foreland::oracle {
 namespace {
 
-constexpr uint32_t kLog2 = 5, kSide = 1u << kLog2;
+constexpr uint32_t kSourceLog2 = 5, kSourceSide = 1u << kSourceLog2;
 constexpr double kResidual_m = 12;
-const proto::Lens kLens{.vertical_fov_rad = 1.2, .width_px = 800, .height_px = 800};
+const proto::Lens kSourceLens{.vertical_fov_rad = 1.2, .width_px = 800, .height_px = 800};
 
 std::shared_ptr<const terrain::Scene> statedScene(uint64_t seed) {
-  return test::makeGlobeScene(kLog2, seed, 0,
+  return test::makeGlobeScene(kSourceLog2, seed, 0,
                               {{.name = "base", .vertical = {}, .window = {}, .residual_m = kResidual_m}});
 }
 
@@ -63,13 +63,13 @@ TEST(SourceOracle, FindsNoMoreThanTheResidualOnAGlobeAtFullResolution) {
   const uint64_t seed = test::randomSeed();
   Rng rng(seed);
   const auto scene = statedScene(seed);
-  const client::KeyframeMesh mesh = wholeGlobe(*scene, kSide);
+  const client::KeyframeMesh mesh = wholeGlobe(*scene, kSourceSide);
   const SourceOracle oracle(*scene, samplesOn(*scene, mesh, rng));
   for (const glm::dvec3& d :
        {glm::dvec3(1, 1, 1), glm::dvec3(0, 0, 1), glm::dvec3(-1, 0.01, 0), glm::dvec3(1, -1, 0.2)}) {
     proto::Pose eye = viewFrom(d, rng.uniform(3'000, 60'000));
     eye.orientation *= glm::angleAxis(rng.uniform(0, 0.4), glm::dvec3(1, 0, 0));
-    const SourceDeviation found = oracle.error(mesh, 0.5, eye, kLens, {});
+    const SourceDeviation found = oracle.error(mesh, 0.5, eye, kSourceLens, {});
     EXPECT_LE(found.excess_px, 0) << "seed " << seed;
     EXPECT_GT(found.max_px, 0);
     EXPECT_EQ(found.uncovered, 0u) << "seed " << seed;
@@ -80,25 +80,25 @@ TEST(SourceOracle, FindsNoMoreThanTheResidualOnAGlobeAtFullResolution) {
 TEST(SourceOracle, MeasuresWhatIsOffMoreThanTheResidual) {
   const uint64_t seed = test::randomSeed();
   const auto scene = statedScene(seed);
-  client::KeyframeMesh mesh = wholeGlobe(*scene, kSide);
+  client::KeyframeMesh mesh = wholeGlobe(*scene, kSourceSide);
   // One sample far above the middle of a face, seen from aside.
   const proto::Geodetic foot{0.0075, 0.0075, 0};
   const double high_m = 2'000, away_m = 4'000, ground_m = 450;  // at most
   const SourceOracle near(*scene, {{0, {{foot.latitude_rad, foot.longitude_rad, high_m}}}});
   const glm::dvec3 at = terrain::referencePosition(ellipsoidOf(*scene), {foot.latitude_rad, foot.longitude_rad, 1'000});
   const proto::Pose eye{at + glm::dvec3(0, away_m, 0), proto::lookAlong({0, -1, 0}, {1, 0, 0})};
-  const SourceDeviation found = near.error(mesh, 0, eye, kLens, {});
+  const SourceDeviation found = near.error(mesh, 0, eye, kSourceLens, {});
   ASSERT_EQ(found.samples, 1u);
-  const double px_per_m = kLens.focalPx() / away_m;
+  const double px_per_m = kSourceLens.focalPx() / away_m;
   EXPECT_GT(found.max_px, 0.9 * (high_m - ground_m) * px_per_m) << "seed " << seed;
   EXPECT_LT(found.excess_px, found.max_px - kResidual_m * px_per_m);
   EXPECT_GT(found.excess_px, found.max_px - 200 * px_per_m);
   // Nobody sees it through the body.
-  const SourceDeviation behind = near.error(mesh, 0, viewFrom({-1, 0, 0}, 40'000), kLens, {});
+  const SourceDeviation behind = near.error(mesh, 0, viewFrom({-1, 0, 0}, 40'000), kSourceLens, {});
   EXPECT_EQ(behind.samples, 0u);
   // Where nothing is drawn it is not covered.
   mesh.indices.clear();
-  EXPECT_EQ(near.error(mesh, 0, eye, kLens, {}).uncovered, 1u);
+  EXPECT_EQ(near.error(mesh, 0, eye, kSourceLens, {}).uncovered, 1u);
 }
 
 // A raster along meridians and parallels, degrees.
