@@ -23,14 +23,22 @@ std::string textOf(std::string_view key, const toml::node& value) {
   if (const auto* text = value.as_string()) return text->get();
   if (const auto* number = value.as_integer()) return fmt::format("{}", number->get());
   if (const auto* number = value.as_floating_point()) return fmt::format("{}", number->get());
-  if (const auto* flag = value.as_boolean()) return flag->get() ? "true" : "";
-  refuse(value.source().begin, fmt::format("'{}' must be a text, a number, true, false, or a list of these", key));
+  refuse(value.source().begin, fmt::format("'{}' must be a text, a number, or a list of these", key));
 }
 
-CLI::ConfigItem itemOf(std::string_view key, const toml::node& value) {
+bool isFlag(const CLI::App& app, std::string_view key) {
+  const CLI::Option* option = app.get_option_no_throw("--" + std::string(key));
+  return option != nullptr && option->get_expected_max() == 0;
+}
+
+CLI::ConfigItem itemOf(const CLI::App& app, std::string_view key, const toml::node& value) {
   CLI::ConfigItem item;
   item.name = key;
-  if (const toml::array* list = value.as_array())
+  if (isFlag(app, key)) {
+    const auto* is_given = value.as_boolean();
+    if (is_given == nullptr) refuse(value.source().begin, fmt::format("'{}' must be true or false", key));
+    if (is_given->get()) item.inputs.emplace_back("true");
+  } else if (const toml::array* list = value.as_array())
     for (const toml::node& entry : *list) item.inputs.push_back(textOf(key, entry));
   else if (std::string text = textOf(key, value); !text.empty())
     item.inputs.push_back(std::move(text));
@@ -65,7 +73,7 @@ void addConfiguration(CLI::App& app) {
       ->type_name(file("FILE.toml"))
       ->group("Configuration");
   app.allow_config_extras(false);
-  app.config_formatter(std::make_shared<TomlConfig>());
+  app.config_formatter(std::make_shared<TomlConfig>(app));
 }
 
 std::string configText(CLI::App& app) {
@@ -85,7 +93,7 @@ std::vector<CLI::ConfigItem> TomlConfig::from_config(std::istream& input) const 
   std::vector<CLI::ConfigItem> all;
   const toml::table table = toml::parse(input);
   for (const auto& [key, value] : table)
-    if (CLI::ConfigItem item = itemOf(key.str(), value); !item.inputs.empty()) all.push_back(std::move(item));
+    if (CLI::ConfigItem item = itemOf(app_, key.str(), value); !item.inputs.empty()) all.push_back(std::move(item));
   return all;
 } catch (const toml::parse_error& error) { refuse(error.source().begin, error.description()); }
 

@@ -11,10 +11,16 @@ namespace foreland::apps {
 
 class TomlConfig : public CLI::ConfigTOML {
  public:
-  // One item for each key; lists have several inputs, empty texts and lists and `false` none, as if the option were not
-  // given.
+  // `app`, whose options they are, must outlive it.
+  explicit TomlConfig(const CLI::App& app) : app_(app) {}
+
+  // One item for each key; lists have several inputs, empty texts and lists and a flag's `false` none, as if the option were
+  // not given.
   // Throws CLI::ConversionError, as CLI11 expects, which says what is wrong and in which line.
   std::vector<CLI::ConfigItem> from_config(std::istream& input) const override;
+
+ private:
+  const CLI::App& app_;
 };
 
 // Adds --config FILE.toml, whose keys are the app's options without their dashes.

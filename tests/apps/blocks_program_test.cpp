@@ -64,6 +64,8 @@ TEST_F(BlocksProgram, AWholeWorldStandsInAFile) {
   EXPECT_TRUE(slurp(scene()) == slurp(folder_ / "whole.fls"));
   write("INPUT = ['" + input() + "']\nfram = 'planar'\n");
   expectRefusal("plan", {"--config", world, "-o", plan()}, {"fram"});
+  write("globe = 'yes'\nINPUT = ['" + input() + "']\n");
+  expectRefusal("build", {"--config", world, "-o", scene()}, {"globe", "true or false"});
   write("globe = false\nsea = true\nINPUT = ['" + input() + "']\n");
   expectRefusal("build", {"--config", world, "-o", scene()}, {"--sea", "--globe"});
 }
