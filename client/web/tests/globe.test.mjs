@@ -74,15 +74,15 @@ async function checkArea(page, eye, middle, reach_px) {
   await bare(page);
   await untilDrawn(page);
   const { data, width } = await framePixels(page), counts = [0, 0];
-  for (let i = 0; i < 120; ++i) {
-    const angle = 2.4 * i, r = reach_px * Math.sqrt((i + 0.5) / 120), [px, py] = [middle[0] + r * Math.cos(angle), middle[1] + r * Math.sin(angle)].map(Math.floor);
+  for (let i = 0; i < 40; ++i) {
+    const angle = 2.4 * i, r = reach_px * Math.sqrt((i + 0.5) / 40), [px, py] = [middle[0] + r * Math.cos(angle), middle[1] + r * Math.sin(angle)].map(Math.floor);
     const place = placeOf(await groundAt(page, px + 0.5, py + 0.5)), turned = [lon + (((place[0] - lon + 540) % 360) - 180), place[1]];
     const beside = Math.min(...turned.map((v, k) => Math.min(v - low[k], high[k] - v))), [red, green, blue] = data.slice(4 * (py * width + px), 4 * (py * width + px) + 3);
     if (Math.abs(beside) < 3) continue;
     assert.equal(green - Math.max(red, blue) > 200, beside > 0, `${place}: ${[red, green, blue]}`);
     ++counts[beside > 0 ? 1 : 0];
   }
-  assert.ok(Math.min(...counts) > 15, `${counts}`);
+  assert.ok(Math.min(...counts) > 5, `${counts}`);
 }
 
 test('the ground that is grabbed stays under the pointer, and what the wheel nears does', kTest, () =>
