@@ -14,9 +14,8 @@ class TomlConfig : public CLI::ConfigTOML {
   // `app`, whose options they are, must outlive it.
   explicit TomlConfig(const CLI::App& app) : app_(app) {}
 
-  // One item for each key; lists have several inputs, empty texts and lists and a flag's `false` none, as if the option were
-  // not given.
-  // Throws CLI::ConversionError, as CLI11 expects, which says what is wrong and in which line.
+  // One item for each key; lists have several inputs, empty texts and lists and a flag's `false` none, as if the option
+  // were not given. Throws CLI::ConversionError, as CLI11 expects, which says what is wrong and in which line.
   std::vector<CLI::ConfigItem> from_config(std::istream& input) const override;
 
  private:
