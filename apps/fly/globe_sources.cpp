@@ -7,7 +7,7 @@
 #include <string_view>
 #include <utility>
 
-#include "apps/verify/globe_inputs.h"
+#include "apps/globe_inputs.h"
 #include "base/bytes.h"
 #include "oracle/globe/source_samples.h"
 #include "terrain/dem/opened_inputs.h"

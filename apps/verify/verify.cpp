@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
+#include "apps/globe_inputs.h"
 #include "apps/options/command_line.h"
 #include "apps/options/foreign_files.h"
 #include "apps/options/options.h"
-#include "apps/verify/globe_inputs.h"
 #include "apps/verify/verify_source.h"
 #include "terrain/imagery/verify_tiles.h"
 #include "terrain/objects/placed_objects.h"

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "apps/verify/globe_inputs.h"
+#include "apps/globe_inputs.h"
 #include "terrain/dem/open_globe.h"
 #include "terrain/pipeline/globe_residual.h"
 

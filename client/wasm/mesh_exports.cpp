@@ -27,10 +27,9 @@ void fillMesh(const KeyframeMesh& mesh, FrameRecord& out) {
   out.to_moved = mesh.to_moved.empty() ? 0 : addressOf(mesh.to_moved.data());
   out.from_bends = mesh.from_bends.empty() ? 0 : addressOf(mesh.from_bends.data());
   out.to_bends = mesh.to_bends.empty() ? 0 : addressOf(mesh.to_bends.data());
-  out.from_nodes = mesh.from_nodes;
+  out.to_region_radius_m = mesh.to.region_radius_m;
+  out.to_region_angle_rad = mesh.to.region_angle_rad;
   out.to_nodes = mesh.to_nodes;
-  out.from_index = mesh.from.index;
-  out.to_index = mesh.to.index;
   out.object_vertex_count = static_cast<uint32_t>(mesh.objects.to_positions.size());
   out.object_index_count = static_cast<uint32_t>(mesh.objects.indices.size());
   out.object_from_positions = addressOf(mesh.objects.from_positions.data());

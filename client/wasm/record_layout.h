@@ -77,10 +77,9 @@ inline constexpr RecordField kFrameFields[] = {
     FORELAND_FIELD(FrameRecord, from_normals),
     FORELAND_FIELD(FrameRecord, to_normals),
     FORELAND_FIELD(FrameRecord, indices),
-    FORELAND_FIELD(FrameRecord, from_nodes),
+    FORELAND_FIELD(FrameRecord, to_region_radius_m),
+    FORELAND_FIELD(FrameRecord, to_region_angle_rad),
     FORELAND_FIELD(FrameRecord, to_nodes),
-    FORELAND_FIELD(FrameRecord, from_index),
-    FORELAND_FIELD(FrameRecord, to_index),
     FORELAND_FIELD(FrameRecord, tau_px),
     FORELAND_FIELD(FrameRecord, object_vertex_count),
     FORELAND_FIELD(FrameRecord, object_index_count),
@@ -98,6 +97,7 @@ inline constexpr RecordField kFrameFields[] = {
     FORELAND_FIELD(FrameRecord, to_moved),
     FORELAND_FIELD(FrameRecord, from_bends),
     FORELAND_FIELD(FrameRecord, to_bends),
+    FORELAND_FIELD(FrameRecord, unused),
 };
 inline constexpr RecordField kScreenFields[] = {
     FORELAND_FIELD(ScreenRecord, pose),          FORELAND_FIELD(ScreenRecord, shown_time_ms),

@@ -53,11 +53,10 @@ struct FrameRecord {
   Address to_positions;
   Address from_normals;  // int8 x, y, z, 0
   Address to_normals;
-  Address indices;  // uint32
-  uint32_t from_nodes;
+  Address indices;            // uint32
+  float to_region_radius_m;   // of the newer keyframe: its section keeps the tolerance for eyes this near to its pose,
+  float to_region_angle_rad;  // turned by no more than this
   uint32_t to_nodes;
-  uint32_t from_index;  // keyframes
-  uint32_t to_index;
   float tau_px;  // tolerance of the newer keyframe
   // The same arrays of the objects, whose positions have no height.
   uint32_t object_vertex_count;
@@ -76,6 +75,7 @@ struct FrameRecord {
   Address to_moved;
   Address from_bends;  // float x, y, z of the terrain's vertices; 0: they move straight
   Address to_bends;
+  uint32_t unused;  // keeps the size a multiple of 8
 };
 
 // What the drawing thread draws in a frame (screen.cpp).

@@ -73,7 +73,11 @@ ExpectedMotion ViewerMotion::expected(const proto::ViewRequest& request) const {
 }
 
 void ViewerMotion::notePrediction(const proto::TimedPose& expected, Duration interval) {
-  if (expected.time > history_.newest().time) predictions_.push_back({expected, interval});
+  if (expected.time <= history_.newest().time) {
+    errors_.add(expected.pose, history_.at(expected.time), interval);
+    return;
+  }
+  predictions_.push_back({expected, interval});
   if (predictions_.size() > kMaxPredictions) predictions_.pop_front();
 }
 

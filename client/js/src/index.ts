@@ -11,4 +11,4 @@ export { type Frame } from './frame.js';
 export { Terrain, type Pose } from './terrain.js';
 export { type ChannelName, type ChannelUpdate, type MeshUpdate, type PartLines, type PartUpdate } from './core/mesh_update.js';
 export { type TileUpdate, type TileUpload } from './core/tile_update.js';
-export { kBlends, kPredictors, kStrategies, type FrameKind, type Statistics, type ZeroSurface } from './core/values.js';
+export { kBlends, kPredictors, kStrategies, type FrameKind, type Region, type Statistics, type ZeroSurface } from './core/values.js';

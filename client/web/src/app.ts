@@ -131,8 +131,8 @@ export class App {
   }
 
   // For tests: what a picture shows at a point of the window, and where it shows a point of the scene.
-  groundAt(x: number, y: number): number[] | null {
-    return this.picture.drawnAt(x, y)?.toArray() ?? this.picture.heldAt(x, y)?.point ?? null;
+  groundAt(x: number, y: number): readonly number[] | null {
+    return this.picture.metAt(x, y)?.point ?? null;
   }
   onScreen(point: Vector): Vector | null {
     return this.picture.pointOnScreen(point);

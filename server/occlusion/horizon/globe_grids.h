@@ -31,7 +31,8 @@ class GlobeGrids {
 
   using Grid = std::shared_ptr<const HorizonGrid>;
   // For an eye, of the scene frame, that has had `held`, which may be null. Null: there is none, or not yet; so it is
-  // for eyes that are so high that ridges hide little, and where viewers in other places hold all that there may be.
+  // for eyes that are so high that ridges hide little, where viewers in other places hold all that there may be, and
+  // while memory lacks for one.
   Grid about(const glm::dvec3& eye, const Grid& held);
 
   size_t bytes() const;

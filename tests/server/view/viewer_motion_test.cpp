@@ -52,6 +52,30 @@ constexpr std::array kPredictors{proto::Predictor::kHold, proto::Predictor::kCon
                                  proto::Predictor::kConstantAcceleration, proto::Predictor::kDoubleExponential,
                                  proto::Predictor::kKalman};
 
+// Else a camera that is shown late would have the region of the flight before for ever, and its section with it.
+TEST(ViewerMotion, ErrorsAreForgottenOnceKeyframesAreForPosesThatAreKnown) {
+  const uint64_t seed = test::randomSeed();
+  SCOPED_TRACE("seed " + std::to_string(seed));
+  Rng rng(seed);
+  const proto::ViewRequest request;
+  ViewerMotion motion;
+  Flight flight(rng, Time::seconds(1), {0, 0, 500});
+  for (int i = 0; i < 30; ++i) add(motion, flight.next(), request);
+  const auto error = [&] {
+    const Time now = motion.newest().time;
+    const ExpectedMotion expected = motion.expected(request);
+    return motion.regionAround(expected.at(now), expected, now, now, kInterval, kInterval).error;
+  };
+  ASSERT_GT(error().radius_m, 0.01);
+  for (size_t i = 0; i < PredictionErrors::kMemory + 5; ++i) {  // what is pending comes true first
+    motion.add(flight.next());
+    const Time now = motion.newest().time;
+    motion.notePrediction({now, motion.expected(request).at(now)}, kInterval);
+  }
+  EXPECT_EQ(error().radius_m, 0);
+  EXPECT_LT(error().angle_rad, 1e-12);
+}
+
 // Of the motion before a jump nothing is left but, until poses tell a velocity, how fast it was. Where the camera stood
 // that is nothing.
 TEST(ViewerMotion, AfterAJumpIsThatOfAViewerWhoBeginsThere) {

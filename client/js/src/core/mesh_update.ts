@@ -1,5 +1,5 @@
 // What changes in the mesh from one version to the next, in one block of memory that can be handed to another thread.
-import type { Changes, Content, Mesh, ObjectArrays, Pose } from './values.js';
+import type { Changes, Content, Mesh, ObjectArrays, Pose, Region } from './values.js';
 import { tileMemoryOf, type TileUpdate } from './tile_update.js';
 
 // The order of a part's channels. `line` is there only where edges are to be drawn, `from_moved` and `to_moved` where ground moves,
@@ -34,6 +34,7 @@ export interface MeshUpdate {
   to_nodes: number;
   changed_nodes: number; // added or removed since the session began, up to the keyframe that it ends with
   to_pose: Pose;
+  to_region: Region; // of the keyframe at to_time_ms
   to_time_ms: number;
   terrain: PartUpdate;
   objects: PartUpdate;
@@ -93,10 +94,10 @@ function channelOf(data: Float32Array | Int8Array | Uint32Array, elements: Uint3
 export function updateOf(mesh: Mesh, changes: { terrain: Changes; objects: Changes }, interval: Uint8Array, last_version: number,
                          wants_lines: boolean, tiles: MeshUpdate['tiles'], changed_nodes: number): MeshUpdate {
   const isWhole = (part: Changes) => part.base_version === 0 || part.base_version !== last_version;
-  const { version, oldest_version, origin, to_nodes, to_pose, to_time_ms, objects } = mesh;
+  const { version, oldest_version, origin, to_nodes, to_pose, to_region, to_time_ms, objects } = mesh;
   const lines = linesOf(mesh, wants_lines);
   return {
-    version, oldest_version, interval, origin, to_nodes, changed_nodes, to_pose, to_time_ms,
+    version, oldest_version, interval, origin, to_nodes, changed_nodes, to_pose, to_region, to_time_ms,
     terrain: partOf(sourceOf(mesh, changes.terrain, mesh), mesh.triangles, isWhole(changes.terrain), lines?.terrain ?? null),
     objects: partOf(sourceOf(objects, changes.objects, null), trianglesOf(objects.parts), isWhole(changes.objects), lines?.objects ?? null),
     object_parts: objects.parts.slice(),

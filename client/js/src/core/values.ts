@@ -57,17 +57,22 @@ export interface TileSelection {
 export type Layer = Pick<LayerRecord, 'origin' | 'texel' | 'size' | 'levels' | 'low_m' | 'code_m'> & { attribution: string };
 export type SlopeFrame = SlopeFrameRecord;
 
+// Of a keyframe: its section keeps the tolerance for eyes this near to its pose, turned by no more than this.
+export interface Region {
+  radius_m: number;
+  angle_rad: number;
+}
+
 export interface Mesh {
   version: number;
   oldest_version: number; // of meshes that may still be shown
   origin: [number, number, number];
   vertices: number;
   triangles: number;
-  from_nodes: number;
   to_nodes: number;
-  to_index: number;
   to_time_ms: number;
   to_pose: Pose;
+  to_region: Region;
   texture_coordinates: Float32Array; // positions on the lattice
   from_positions: Float32Array;
   to_positions: Float32Array;

@@ -251,9 +251,8 @@ function meshOf(memory: ArrayBuffer, r: FrameRecord): Mesh {
     from_normals: new Int8Array(memory, r.from_normals, 4 * vertices),
     to_normals: new Int8Array(memory, r.to_normals, 4 * vertices),
     indices: new Uint32Array(memory, r.indices, r.index_count),
-    from_nodes: r.from_nodes,
     to_nodes: r.to_nodes,
-    to_index: r.to_index,
+    to_region: { radius_m: r.to_region_radius_m, angle_rad: r.to_region_angle_rad },
     objects: {
       vertices: object_vertices,
       from_positions: new Float32Array(memory, r.object_from_positions, 4 * object_vertices),

@@ -5,6 +5,9 @@ import type { Picture } from './picture';
 
 const kMoving_ms = 100; // after which keyframes are for a camera that rests: two intervals (kResting)
 const kRounded = 1e-6; // of the scene: how far off the eye of a keyframe may be, as it is written
+// Of a keyframe for a camera that rests, with what its numbers are rounded up by (server/view/viewer_motion.cpp: kPoseRounding). It is larger
+// for ten keyframes after one whose pose had to be predicted, as where poses come late, and its section with it.
+const kRestingRegion = { radius_m: 1.02 * 0.01, angle_rad: 1.02 * 4e-4 };
 const kTexel_px = 2; // on the screen, that tiles which a view needs leave at most (server/imagery/tile_sender.h)
 const kFinerEvery_ms = 300; // of keyframes: finer tiles of imagery than that come with every fifth
 const kPatience = { ms: 30_000, meshes: 100 }; // both: where a processor draws and is busy, few meshes come in long
@@ -95,7 +98,8 @@ export class ExactFrames {
     if (!told) return;
     ++told.meshes;
     const { low, high } = terrain.scene.bounds, within_m = kRounded * Math.hypot(high[0] - low[0], high[1] - low[1]);
-    const is_for_pose = update.to_time_ms > Math.max(told.at_ms + kMoving_ms, this.from_ms) && isAt(update.to_pose, this.picture.asked(told.pose), within_m);
+    const is_for_pose = update.to_time_ms > Math.max(told.at_ms + kMoving_ms, this.from_ms) && isAt(update.to_pose, this.picture.asked(told.pose), within_m)
+      && update.to_region.radius_m <= kRestingRegion.radius_m && update.to_region.angle_rad <= kRestingRegion.angle_rad;
     const { tiles_received } = terrain.stats;
     if (!is_for_pose) this.still = null;
     else if (still && still.tiles_received === tiles_received && isSame(still.update, update)) this.still = { ...still, update, meshes: still.meshes + 1 };

@@ -314,6 +314,13 @@ export class Picture {
     return terrain?.hasScene ? metNow(terrain, this.cut_view.shown, wayAlong(terrain, this.eye, this.directionAt(x, y))) : null;
   }
 
+  // What is met there: of a globe what is drawn, elsewhere what is held.
+  metAt(x: number, y: number): Met | null {
+    if (!this.deep) return this.heldAt(x, y);
+    const point = this.drawnAt(x, y)?.toArray();
+    return point ? { point, is_wall: false } : null;
+  }
+
   // Where a point of the scene is in the window, and how deep; null behind the eye.
   pointOnScreen(point: Vector): Vector | null {
     const { left, top, width, height } = this.canvas.getBoundingClientRect();
@@ -324,13 +331,11 @@ export class Picture {
     return [left + (0.5 + 0.5 * at.x) * width, top + (0.5 - 0.5 * at.y) * height, depth];
   }
 
-  // Metres across a pixel of the window, on a plane towards the ground that is held in the middle of the view; null where there is none.
+  // Metres across a pixel of the window, on a plane towards the ground in the middle of the view; null where there is none.
   pixelAtGround_m(): number | null {
     const { left, top, width, height } = this.canvas.getBoundingClientRect();
-    const [x, y] = [left + width / 2, top + height / 2] as const;
-    const point = this.deep ? this.drawnAt(x, y)?.toArray() : this.heldAt(x, y)?.point;
-    if (!point) return null;
-    return (2 * Math.tan(kLens.fov_rad / 2) * (this.pointOnScreen(point)?.[2] ?? 0)) / height || null;
+    const met = this.metAt(left + width / 2, top + height / 2);
+    return met && ((2 * Math.tan(kLens.fov_rad / 2) * (this.pointOnScreen(met.point)?.[2] ?? 0)) / height || null);
   }
 
   // ---- for tests

@@ -13,7 +13,7 @@ export const kBend = 2 ** -20; // by which a piece may be off, of a face's side:
 const kStraight_deg = 0.02; // what is shorter bends less
 const kLong_deg = 5; // what is longer may bend both ways
 const kHalvings = 40; // of a step, until it ends at the side of a face
-const kOften = 128; // places
+export const kOften = 128; // places between yields
 
 // Of a line its pieces. A generator, for slices (slices.ts).
 export function* piecesOf(faces: Faces, places: Places): Generator<void, Point[][]> {

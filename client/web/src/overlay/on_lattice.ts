@@ -2,7 +2,7 @@
 import type { MapPoint, Terrain } from '@foreland/client';
 import type { Feature, Laid, Places } from './feature';
 import type { Point } from './ground_grid';
-import { areaOf, piecesOf, type Faces } from './on_faces';
+import { areaOf, kOften, piecesOf, type Faces } from './on_faces';
 
 function mapPointAt(places: Places, i: number, is_geographic: boolean): MapPoint {
   const [x, y] = [places[2 * i]!, places[2 * i + 1]!];
@@ -31,7 +31,7 @@ function* onPlane(terrain: Terrain, { kind, parts }: Feature): Generator<void, L
     const places = new Float64Array(part.length);
     for (let i = 0; 2 * i < part.length; ++i) {
       places.set(latticeOf(terrain, mapPointAt(part, i, is_geographic)), 2 * i);
-      if (i % 128 === 127) yield;
+      if (i % kOften === 0) yield;
     }
     laid.push(places);
     yield;

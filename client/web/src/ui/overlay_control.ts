@@ -148,7 +148,7 @@ export class OverlayControl {
       if (mark) return cardOf(shown, mark.feature);
     }
     const placeAt = (at_x: number, at_y: number) => {
-      const drawn = picture.drawnAt(at_x, at_y)?.toArray(), met = drawn ? { point: drawn, is_wall: false } : picture.heldAt(at_x, at_y);
+      const met = picture.metAt(at_x, at_y);
       return met && !met.is_wall ? terrain.place(met.point)?.lattice : null;
     };
     const [at, right, below] = [placeAt(x, y), placeAt(x + kStep_px, y), placeAt(x, y + kStep_px)];

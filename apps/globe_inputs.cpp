@@ -1,4 +1,4 @@
-#include "apps/verify/globe_inputs.h"
+#include "apps/globe_inputs.h"
 
 #include <algorithm>
 #include <string_view>
