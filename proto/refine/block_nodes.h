@@ -39,18 +39,21 @@ inline std::array<int, 2> levelsOf(const GridTopology& grid, uint32_t scale) {
 }  // namespace block_nodes_detail
 
 // Calls visit(page number, low) for each frontier node, of the block's scale or a finer one, whose blocks may include
-// it or a part of it: those that lie no more than 3 s beside it, with s of their own scale.
+// it or a part of it: those that lie no more than 3 s beside it, with s of their own scale. Of each level O(tiles), or
+// O(pages that are there) where these are fewer, as they are of levels much finer than a block.
 template <class Visit>
 void forEachNodeAbout(const GridTopology& grid, const Frontier::Nodes& nodes, const BlockId& block,
                       const Visit& visit) {
   const int64_t side = int64_t{BlockId::kSide} << block.scale, x = block.x * side, y = block.y * side;
   for (uint32_t scale = block.scale + 1u; scale-- > 0;) {
-    const int64_t reach = int64_t{3} << scale, tile = int64_t{GridTopology::kTileSide} << scale;
+    const int64_t s = int64_t{1} << scale, reach = 3 * s, tile = int64_t{GridTopology::kTileSide} << scale;
     const int64_t x0 = std::max<int64_t>(0, x - reach), y0 = std::max<int64_t>(0, y - reach),
                   x1 = std::min<int64_t>(grid.maxX(), x + side + reach),
                   y1 = std::min<int64_t>(grid.maxY(), y + side + reach);
     for (int level : block_nodes_detail::levelsOf(grid, scale)) {
-      if (level == 0 || nodes.pagesOf(grid.levelOffset(level), grid.levelOffset(level + 1)).empty()) continue;
+      if (level == 0) continue;
+      const auto pages = nodes.pagesOf(grid.levelOffset(level), grid.levelOffset(level + 1));
+      if (pages.empty()) continue;
       const auto visitPage = [&](uint32_t number) {
         const FrontierPage& page = nodes.page(number);
         const auto names = grid.pageNodes(level, page.first());
@@ -59,6 +62,13 @@ void forEachNodeAbout(const GridTopology& grid, const Frontier::Nodes& nodes, co
           if (n.x() >= x0 && n.x() <= x1 && n.y() >= y0 && n.y() <= y1) visit(number, low);
         });
       };
+      if (static_cast<uint64_t>((x1 - x0) / tile + 1) * static_cast<uint64_t>((y1 - y0) / tile + 1) > pages.size()) {
+        for (const auto& page : pages) {
+          const NodeId n = grid.pageNodes(level, nodes.page(page.number).first()).at(0);  // up to s from its corner
+          if (n.x() <= x1 + s && n.y() <= y1 + s && n.x() + tile > x0 && n.y() + tile > y0) visitPage(page.number);
+        }
+        continue;
+      }
       block_nodes_detail::forEachPage(grid, nodes, level, scale, static_cast<uint32_t>(x0 / tile),
                                       static_cast<uint32_t>(y0 / tile), static_cast<uint32_t>(x1 / tile),
                                       static_cast<uint32_t>(y1 / tile), visitPage);

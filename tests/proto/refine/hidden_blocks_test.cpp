@@ -113,6 +113,49 @@ TEST(HiddenBlocks, AreVisitedInOrder) {
   }
 }
 
+// Beside a list of what is known. A coarse block has hundreds of millions of fine ones: none may cost anything that is
+// not known.
+TEST(HiddenBlocks, AreForgottenWithACoarseOneThatIsHiddenOnALatticeOfAnySize) {
+  const uint64_t seed = test::randomSeed();
+  Rng rng(seed);
+  const GridTopology grid = *GridTopology::create({7, 7, 15, 200'000, 200'000, 12});
+  HiddenBlocks blocks(grid);
+  std::map<std::tuple<uint8_t, uint32_t, uint32_t>, bool> known;  // scale, row, column
+  const auto isIn = [](const BlockId& fine, const BlockId& coarse) {
+    const int by = coarse.scale - fine.scale;
+    return by > 0 && fine.x >> by == coarse.x && fine.y >> by == coarse.y;
+  };
+  size_t forgotten = 0;
+  for (int i = 0; i < 3000; ++i) {
+    const auto scale = static_cast<uint8_t>(rng.below(15));
+    const uint64_t side = uint64_t{BlockId::kSide} << scale, last = grid.maxX() / side,
+                   most = rng.below(2) == 0 ? std::min<uint64_t>(last, 64) : last;
+    const BlockId block{scale, static_cast<uint32_t>(rng.below(most)), static_cast<uint32_t>(rng.below(most))};
+    if (blocks.state(block) == BlockState::kHidden) continue;
+    const bool is_hidden = rng.below(4) == 0;
+    blocks.set(block, is_hidden);
+    known[{block.scale, block.y, block.x}] = is_hidden;
+    if (is_hidden)
+      forgotten += std::erase_if(known, [&](const auto& each) {
+        const auto [fine, y, x] = each.first;
+        return isIn({fine, x, y}, block);
+      });
+    ASSERT_EQ(blocks.knownCount(), known.size()) << "seed " << seed << ", step " << i;
+  }
+  EXPECT_GT(forgotten, 50u);
+  size_t visited = 0;
+  blocks.forEachTile([&](const BlockId& lowest, const HiddenBlocks::Tile& tile) {
+    for (uint32_t i = 0; i < HiddenBlocks::kTileBlocks; ++i)
+      if (tile.known >> i & 1) {
+        const auto found = known.find({lowest.scale, lowest.y + i / 4, lowest.x + i % 4});
+        ASSERT_NE(found, known.end());
+        EXPECT_EQ((tile.hidden >> i & 1) != 0, found->second);
+        ++visited;
+      }
+  });
+  EXPECT_EQ(visited, known.size()) << "seed " << seed;
+}
+
 TEST(HiddenBlocks, AreCountedAndForgotten) {
   const GridTopology grid = GridTopology::create({1, 1, 6, 65, 65}).value();
   HiddenBlocks blocks(grid);
