@@ -2,6 +2,7 @@
 
 import contextlib
 import json
+import math
 import os
 import signal
 import socket
@@ -79,6 +80,7 @@ class Share(contextlib.AbstractContextManager):
     """A part of one processor for programs, by a control group of Linux's (cpu, version 1 or 2), which is theirs until they end. Needs root."""
 
     PERIOD_US = 8000  # short, so that a small part of a processor is a slow one, and not one that comes and goes
+    LEAST_US = 1000  # of a period, that Linux allows
 
     def __init__(self, name):
         self._is_first = Path("/sys/fs/cgroup/cpu").is_dir()
@@ -89,12 +91,13 @@ class Share(contextlib.AbstractContextManager):
         (self._folder / "cgroup.procs").write_text(str(program.id))
 
     def set(self, part):
-        quota = round(part * self.PERIOD_US)
+        period = max(self.PERIOD_US, math.ceil(self.LEAST_US / part))
+        quota = round(part * period)
         if self._is_first:
-            (self._folder / "cpu.cfs_period_us").write_text(str(self.PERIOD_US))
+            (self._folder / "cpu.cfs_period_us").write_text(str(period))
             (self._folder / "cpu.cfs_quota_us").write_text(str(quota))
         else:
-            (self._folder / "cpu.max").write_text(f"{quota} {self.PERIOD_US}")
+            (self._folder / "cpu.max").write_text(f"{quota} {period}")
 
     def __exit__(self, *_):
         until(self._is_gone, f"the end of {self._folder}")
