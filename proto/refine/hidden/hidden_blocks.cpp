@@ -10,6 +10,22 @@ namespace {
 
 uint32_t divideUp(uint32_t a, uint32_t log2) { return (a + (1u << log2) - 1) >> log2; }
 
+// Of blocks, from the lowest to the highest, both included.
+struct Square {
+  uint32_t x0, y0, x1, y1;
+
+  // What of a tile lies in it, as bits of its blocks.
+  uint32_t bitsOf(uint32_t tile_x, uint32_t tile_y) const {
+    constexpr uint32_t kLog2 = HiddenBlocks::kTileLog2, kMask = (1u << kLog2) - 1;
+    uint32_t bits = 0;
+    for (uint32_t i = 0; i < HiddenBlocks::kTileBlocks; ++i) {
+      const uint32_t x = (tile_x << kLog2) + (i & kMask), y = (tile_y << kLog2) + (i >> kLog2);
+      if (x >= x0 && x <= x1 && y >= y0 && y <= y1) bits |= 1u << i;
+    }
+    return bits;
+  }
+};
+
 }  // namespace
 
 HiddenBlocks::HiddenBlocks(const GridTopology& grid)
@@ -69,24 +85,47 @@ void HiddenBlocks::set(const BlockId& block, bool is_hidden) {
   scales_[block.scale].known += is_new;
   tile.known |= static_cast<uint16_t>(bit);
   tile.hidden = static_cast<uint16_t>(is_hidden ? tile.hidden | bit : tile.hidden & ~bit);
-  if (is_hidden) forgetFiner(block);
+  if (is_hidden) holdsVisible(block, Finer::kForgotten);
 }
 
-void HiddenBlocks::forgetFiner(const BlockId& block) {
-  forEachFiner(*this, block, [this](uint32_t scale, Tile& tile, uint32_t bits) {
-    const auto count = static_cast<uint32_t>(std::popcount(bits));
-    known_ -= count;
-    scales_[scale].known -= count;
-    tile.known &= static_cast<uint16_t>(~bits);
-    tile.hidden &= static_cast<uint16_t>(~bits);
-  });
+bool HiddenBlocks::holdsVisible(const BlockId& block, Finer finer) {
+  bool is_any_visible = false;
+  const auto isBefore = [](const ChunkName& name, uint64_t key) { return name.key < key; };
+  for (uint32_t scale = block.scale; scale-- > 0;) {
+    Scale& level = scales_[scale];
+    if (level.known == 0) continue;
+    const uint32_t shift = block.scale - scale, most = (1u << shift) - 1;
+    const Square blocks{block.x << shift, block.y << shift, (block.x << shift) + most, (block.y << shift) + most};
+    const uint32_t first_x = blocks.x0 >> kTileLog2, last_x = std::min(blocks.x1 >> kTileLog2, level.tiles_x - 1),
+                   first_y = blocks.y0 >> kTileLog2, last_y = std::min(blocks.y1 >> kTileLog2, level.tiles_y - 1);
+    const uint64_t last = uint64_t{last_y} * level.tiles_x + last_x;
+    auto chunk = order_.begin();
+    for (uint64_t at = uint64_t{first_y} * level.tiles_x + first_x; at <= last;) {  // the next tile, row by row
+      chunk = std::lower_bound(chunk, order_.end(), level.first_chunk + at / kChunkTiles, isBefore);
+      if (chunk == order_.end()) break;
+      const uint64_t first = (chunk->key - level.first_chunk) * kChunkTiles;
+      for (at = std::max(at, first); at < std::min(first + kChunkTiles, last + 1); ++at) {
+        Tile& tile = chunks_[chunk->number][at % kChunkTiles];
+        if (tile.known == 0) continue;
+        const uint32_t bits = tile.known & blocks.bitsOf(static_cast<uint32_t>(at % level.tiles_x),
+                                                         static_cast<uint32_t>(at / level.tiles_x));
+        is_any_visible = is_any_visible || (bits & ~tile.hidden) != 0;
+        if (finer == Finer::kForgotten) forget(level, tile, bits);
+      }
+      const auto x = static_cast<uint32_t>(at % level.tiles_x);
+      if (x < first_x) at += first_x - x;
+      if (x > last_x) at += level.tiles_x - x + first_x;
+    }
+  }
+  return is_any_visible;
 }
 
-bool HiddenBlocks::holdsVisible(const BlockId& block) const {
-  bool any = false;
-  forEachFiner(*this, block,
-               [&](uint32_t, const Tile& tile, uint32_t bits) { any = any || (bits & ~tile.hidden) != 0; });
-  return any;
+void HiddenBlocks::forget(Scale& level, Tile& tile, uint32_t bits) {
+  const auto count = static_cast<uint32_t>(std::popcount(bits));
+  known_ -= count;
+  level.known -= count;
+  tile.known &= static_cast<uint16_t>(~bits);
+  tile.hidden &= static_cast<uint16_t>(~bits);
 }
 
 HiddenBlocks::Range HiddenBlocks::blocksOf(NodeId n) const {

@@ -12,7 +12,6 @@
 // chunks of 64, and some 50 bytes for each of these, whatever the size of the scene.
 #pragma once
 
-#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstdint>
@@ -94,13 +93,6 @@ class HiddenBlocks {
   };
   Range blocksOf(NodeId n) const;
 
-  struct TileRange {
-    uint32_t x0, y0, x1, y1;  // both ends included
-  };
-  template <class Self, class Visit>
-  static void forEachFiner(Self& self, const BlockId& block, const Visit& visit);
-  template <class Self, class Visit>
-  static void forEachTileIn(Self& self, uint32_t scale, const TileRange& tiles, const Visit& visit);
   static uint32_t bitOf(const BlockId& b) {
     constexpr uint32_t kMask = (1u << kTileLog2) - 1;
     return 1u << ((b.y & kMask) << kTileLog2 | (b.x & kMask));
@@ -110,8 +102,11 @@ class HiddenBlocks {
     return const_cast<Tile*>(std::as_const(*this).find(scale, tile_x, tile_y));
   }
   Tile& make(uint8_t scale, uint32_t tile_x, uint32_t tile_y);
-  void forgetFiner(const BlockId& block);
-  bool holdsVisible(const BlockId& block) const;
+  // Of what is known of the blocks of finer scales in a block: whether one is visible; it is kept or forgotten. Of each
+  // scale O(chunks, or rows of tiles), whichever is fewer: a block may hold 10^10 others, of which few can be known.
+  enum class Finer : uint8_t { kKept, kForgotten };
+  bool holdsVisible(const BlockId& block, Finer finer);
+  void forget(Scale& level, Tile& tile, uint32_t bits);
 
   std::vector<Scale> scales_;
   IndexTable numbers_;                                    // of chunks, by key: they count from scale to scale
@@ -129,7 +124,7 @@ bool HiddenBlocks::isHidden(NodeId n, const Ask& ask) {
       const BlockId block{r.scale, x, y};
       BlockState s = state(block);
       if (s == BlockState::kUnknown) {
-        const bool is_hidden = !holdsVisible(block) && ask(block);
+        const bool is_hidden = !holdsVisible(block, Finer::kKept) && ask(block);
         set(block, is_hidden);
         s = is_hidden ? BlockState::kHidden : BlockState::kVisible;
       }
@@ -164,62 +159,6 @@ void HiddenBlocks::retainTiles(const Keep& keep) {
     scales_[lowest.scale].known -= count;
     const_cast<Tile&>(tile) = {};
   });
-}
-
-// Calls visit(scale, Tile&, bits) for the tiles of finer scales in which blocks that lie in `block` are known: which
-// bits. At most O(chunks, or rows of tiles) of each scale where a block has many tiles, of which few can be known.
-template <class Self, class Visit>
-void HiddenBlocks::forEachFiner(Self& self, const BlockId& block, const Visit& visit) {
-  constexpr uint32_t kMask = (1u << kTileLog2) - 1;
-  for (uint32_t scale = block.scale; scale-- > 0;) {
-    const Scale& level = self.scales_[scale];
-    if (level.known == 0) continue;
-    const uint32_t shift = block.scale - scale, x0 = block.x << shift, y0 = block.y << shift,
-                   x1 = x0 + (1u << shift) - 1, y1 = y0 + (1u << shift) - 1;
-    const TileRange tiles{x0 >> kTileLog2, y0 >> kTileLog2, std::min(x1 >> kTileLog2, level.tiles_x - 1),
-                          std::min(y1 >> kTileLog2, level.tiles_y - 1)};
-    forEachTileIn(self, scale, tiles, [&](auto& tile, uint32_t tx, uint32_t ty) {
-      if (tile.known == 0) return;
-      uint32_t bits = 0;
-      for (uint32_t i = 0; i < kTileBlocks; ++i) {
-        const uint32_t x = (tx << kTileLog2) + (i & kMask), y = (ty << kTileLog2) + (i >> kTileLog2);
-        if (x >= x0 && x <= x1 && y >= y0 && y <= y1) bits |= 1u << i;
-      }
-      if ((bits & tile.known) != 0) visit(scale, tile, bits & tile.known);
-    });
-  }
-}
-
-// Calls visit(Tile&, x, y) for the tiles of a scale in a range that chunks are there for. Few are looked up; of many
-// the chunks are gone through that hold some of them.
-template <class Self, class Visit>
-void HiddenBlocks::forEachTileIn(Self& self, uint32_t scale, const TileRange& tiles, const Visit& visit) {
-  constexpr uint64_t kFew = 16;
-  if (tiles.x0 > tiles.x1 || tiles.y0 > tiles.y1) return;
-  const Scale& level = self.scales_[scale];
-  if (uint64_t{tiles.x1 - tiles.x0 + 1} * (tiles.y1 - tiles.y0 + 1) <= kFew) {
-    for (uint32_t y = tiles.y0; y <= tiles.y1; ++y)
-      for (uint32_t x = tiles.x0; x <= tiles.x1; ++x)
-        if (auto* tile = self.find(static_cast<uint8_t>(scale), x, y)) visit(*tile, x, y);
-    return;
-  }
-  const auto indexOf = [&](uint32_t x, uint32_t y) { return uint64_t{y} * level.tiles_x + x; };
-  const auto isBefore = [](const ChunkName& name, uint64_t key) { return name.key < key; };
-  const uint64_t last = indexOf(tiles.x1, tiles.y1);
-  auto chunk = self.order_.begin();
-  for (uint64_t at = indexOf(tiles.x0, tiles.y0); at <= last;) {
-    chunk = std::lower_bound(chunk, self.order_.end(), level.first_chunk + at / kChunkTiles, isBefore);
-    if (chunk == self.order_.end()) return;
-    const uint64_t first = (chunk->key - level.first_chunk) * kChunkTiles,
-                   end = std::min(first + kChunkTiles, last + 1);
-    for (at = std::max(at, first); at < end; ++at) {
-      const auto x = static_cast<uint32_t>(at % level.tiles_x), y = static_cast<uint32_t>(at / level.tiles_x);
-      if (x >= tiles.x0 && x <= tiles.x1) visit(self.chunks_[chunk->number][at % kChunkTiles], x, y);
-    }
-    const auto x = static_cast<uint32_t>(at % level.tiles_x);
-    if (x < tiles.x0) at += tiles.x0 - x;
-    if (x > tiles.x1) at += level.tiles_x - x + tiles.x0;
-  }
 }
 
 // Where the server finds out what is hidden (server/occlusion); called during one step of an adaptation.
