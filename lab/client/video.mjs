@@ -69,7 +69,7 @@ async function recorded(browser, server, path, format, count, folder) {
     await until(page, (s) => !s.follow_playing && s.follow_s === 0, null, kPatience_ms);
     await page.locator('[name=record_card]').click();
     for (const [name, value] of [['video_format', format], ['video_size', values.size], ['video_rate', values.rate]]) await page.locator(`[name=${name}]`).selectOption(value);
-    await page.locator('[name=video_seconds]').fill((Math.log(count / rate) / Math.log(300)).toFixed(3));
+    await page.locator('[name=video_seconds]').fill(String(Number((Math.log(count / rate) / Math.log(300)).toFixed(3))));
     const kept = await saved(page, '[name=save_video]', join(folder, `flight.${format}`));
     await until(page, (s) => !s.recording);
     const promised = /none more than ([\d.]+) px off/.exec(await page.locator('#hint').textContent());
