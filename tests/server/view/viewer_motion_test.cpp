@@ -67,7 +67,9 @@ TEST(ViewerMotion, ErrorsAreForgottenOnceKeyframesAreForPosesThatAreKnown) {
     return motion.regionAround(expected.at(now), expected, now, now, kInterval, kInterval).error;
   };
   ASSERT_GT(error().radius_m, 0.01);
-  for (size_t i = 0; i < PredictionErrors::kMemory + 5; ++i) {  // what is pending comes true first
+  const Time pending_until = motion.newest().time + kInterval;
+  for (size_t known = 0; known < PredictionErrors::kMemory;) {
+    if (motion.newest().time >= pending_until) ++known;
     motion.add(flight.next());
     const Time now = motion.newest().time;
     motion.notePrediction({now, motion.expected(request).at(now)}, kInterval);
