@@ -47,7 +47,7 @@ class ViewerMotion {
   bool isOnPath(const proto::ViewRequest& request) const;
 
   // Notes what was expected for a keyframe `interval` after the one before it. Where the pose of its time is known, as
-  // with the strategy `delay`, that was right, and takes the place of an earlier error as any prediction does.
+  // with the strategy `delay`, its error counts at once, and takes the place of an earlier one.
   void notePrediction(const proto::TimedPose& expected, Duration interval);
   // How far the eye may be from where it is expected for a keyframe after such an interval, metres.
   double eyeError(Duration interval) const;

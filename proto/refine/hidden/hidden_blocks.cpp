@@ -55,8 +55,7 @@ HiddenBlocks::Tile& HiddenBlocks::make(uint8_t scale, uint32_t tile_x, uint32_t 
     chunk = static_cast<uint32_t>(chunks_.size());
     chunks_.emplace_back();
     numbers_.insert(key, chunk);
-    const auto isBefore = [](const ChunkName& name, uint64_t other) { return name.key < other; };
-    order_.insert(std::lower_bound(order_.begin(), order_.end(), key, isBefore), {key, chunk});
+    order_.insert(std::ranges::lower_bound(order_, key, {}, &ChunkName::key), {key, chunk});
   }
   return chunks_[chunk][at % kChunkTiles];
 }
@@ -85,12 +84,10 @@ void HiddenBlocks::set(const BlockId& block, bool is_hidden) {
   scales_[block.scale].known += is_new;
   tile.known |= static_cast<uint16_t>(bit);
   tile.hidden = static_cast<uint16_t>(is_hidden ? tile.hidden | bit : tile.hidden & ~bit);
-  if (is_hidden) holdsVisible(block, Finer::kForgotten);
+  if (is_hidden) forgetFiner(block);
 }
 
-bool HiddenBlocks::holdsVisible(const BlockId& block, Finer finer) {
-  bool is_any_visible = false;
-  const auto isBefore = [](const ChunkName& name, uint64_t key) { return name.key < key; };
+bool HiddenBlocks::visitFiner(const BlockId& block, Finer what) {
   for (uint32_t scale = block.scale; scale-- > 0;) {
     Scale& level = scales_[scale];
     if (level.known == 0) continue;
@@ -101,7 +98,7 @@ bool HiddenBlocks::holdsVisible(const BlockId& block, Finer finer) {
     const uint64_t last = uint64_t{last_y} * level.tiles_x + last_x;
     auto chunk = order_.begin();
     for (uint64_t at = uint64_t{first_y} * level.tiles_x + first_x; at <= last;) {  // the next tile, row by row
-      chunk = std::lower_bound(chunk, order_.end(), level.first_chunk + at / kChunkTiles, isBefore);
+      chunk = std::ranges::lower_bound(chunk, order_.end(), level.first_chunk + at / kChunkTiles, {}, &ChunkName::key);
       if (chunk == order_.end()) break;
       const uint64_t first = (chunk->key - level.first_chunk) * kChunkTiles;
       for (at = std::max(at, first); at < std::min(first + kChunkTiles, last + 1); ++at) {
@@ -109,15 +106,17 @@ bool HiddenBlocks::holdsVisible(const BlockId& block, Finer finer) {
         if (tile.known == 0) continue;
         const uint32_t bits = tile.known & blocks.bitsOf(static_cast<uint32_t>(at % level.tiles_x),
                                                          static_cast<uint32_t>(at / level.tiles_x));
-        is_any_visible = is_any_visible || (bits & ~tile.hidden) != 0;
-        if (finer == Finer::kForgotten) forget(level, tile, bits);
+        if (what == Finer::kForget)
+          forget(level, tile, bits);
+        else if ((bits & ~tile.hidden) != 0)
+          return true;
       }
       const auto x = static_cast<uint32_t>(at % level.tiles_x);
       if (x < first_x) at += first_x - x;
       if (x > last_x) at += level.tiles_x - x + first_x;
     }
   }
-  return is_any_visible;
+  return false;
 }
 
 void HiddenBlocks::forget(Scale& level, Tile& tile, uint32_t bits) {

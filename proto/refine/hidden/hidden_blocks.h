@@ -102,10 +102,13 @@ class HiddenBlocks {
     return const_cast<Tile*>(std::as_const(*this).find(scale, tile_x, tile_y));
   }
   Tile& make(uint8_t scale, uint32_t tile_x, uint32_t tile_y);
-  // Of what is known of the blocks of finer scales in a block: whether one is visible; it is kept or forgotten. Of each
-  // scale O(chunks, or rows of tiles), whichever is fewer: a block may hold 10^10 others, of which few can be known.
-  enum class Finer : uint8_t { kKept, kForgotten };
-  bool holdsVisible(const BlockId& block, Finer finer);
+  // What is known of the blocks of finer scales in a block: whether one of them is visible, or all of it is forgotten.
+  bool holdsVisible(const BlockId& block) { return visitFiner(block, Finer::kAnyVisible); }
+  void forgetFiner(const BlockId& block) { visitFiner(block, Finer::kForget); }
+  // Both in one, for a small module. True where a visible one is looked for and found. Of each scale O(chunks, or rows
+  // of tiles), whichever is fewer: a block may hold 10^10 others, of which few can be known.
+  enum class Finer : uint8_t { kAnyVisible, kForget };
+  bool visitFiner(const BlockId& block, Finer what);
   void forget(Scale& level, Tile& tile, uint32_t bits);
 
   std::vector<Scale> scales_;
@@ -124,7 +127,7 @@ bool HiddenBlocks::isHidden(NodeId n, const Ask& ask) {
       const BlockId block{r.scale, x, y};
       BlockState s = state(block);
       if (s == BlockState::kUnknown) {
-        const bool is_hidden = !holdsVisible(block, Finer::kKept) && ask(block);
+        const bool is_hidden = !holdsVisible(block) && ask(block);
         set(block, is_hidden);
         s = is_hidden ? BlockState::kHidden : BlockState::kVisible;
       }
