@@ -6,8 +6,8 @@
 Viewers are light ones (`foreland fly --viewers`), each flies over one scene. --share is the part of a processor that each server may take (as root), so
 that a small machine is a fleet of slow ones: when viewers have come and flown for a while, the first server gets half of it.
 
-For each way: bytes that the servers fetch of the scenes, and how evenly processors are used: of each server's processor time in some seconds, as a
-part of what it may take, the largest over the mean. Prints JSON; exits 1 if a viewer does not land, or another law of the issue does not hold: the use is
+For each way: how many of the chunks that viewers begin to need were there without being fetched for them, bytes that the servers fetch of the scenes,
+and how evenly processors are used: of each server's processor time in some seconds, as a part of what it may take, the largest over the mean. Prints JSON; exits 1 if a viewer does not land, or another law of the issue does not hold: the use is
 uneven (1.2) for more than 30 s after all have come, or after the first server got slow; or 1 in 100 viewers had no keyframe for over a second.
 Programs are those of FORELAND_BIN (default build/release/bin).
 """
@@ -76,7 +76,7 @@ def is_led_to(address):
 
 
 class Use:
-    """Of servers' processors, from when it is made."""
+    """Of servers' processors, from when it is made. `speeds` are the parts of a processor that they may take."""
 
     def __init__(self, ports, speeds):
         self._ports, self._speeds, self._begin, self._seen = ports, speeds, time.monotonic(), [self._now(ports)]
@@ -86,17 +86,18 @@ class Use:
         return time.monotonic(), [metrics(port)["process_cpu_seconds_total"] for port in ports]
 
     def watch(self, seconds, flights):
-        """Largest over mean, and how long it took until that was even and stayed so; `speeds` are the parts of one that servers have."""
-        ratios, even_since = [], 0
+        """Largest over mean, and how long it took until that was even and stayed so."""
+        ratios, means, even_since = [], [], 0
         while time.monotonic() < self._begin + seconds and all(flight.is_running() for flight in flights):
             time.sleep(STEP_S)
             self._seen.append(self._now(self._ports))
-            (_, before), (at, now) = self._seen[-1 - min(len(self._seen) - 1, WINDOW_S // STEP_S)], self._seen[-1]
-            gained = [(b - a) / speed for a, b, speed in zip(before, now, self._speeds)]
-            ratios.append(round(max(gained) * len(gained) / max(sum(gained), 1e-9), 2))
+            (begin, before), (at, now) = self._seen[-1 - min(len(self._seen) - 1, WINDOW_S // STEP_S)], self._seen[-1]
+            used = [(b - a) / (at - begin) / speed for a, b, speed in zip(before, now, self._speeds)]
+            means.append(round(sum(used) / len(used), 2))
+            ratios.append(round(max(used) * len(used) / max(sum(used), 1e-9), 2))
             if ratios[-1] >= UNEVEN:
                 even_since = at - self._begin
-        return {"use_largest_over_mean": ratios, "even_after_s": round(even_since, 1),
+        return {"use_mean": means, "use_largest_over_mean": ratios, "even_after_s": round(even_since, 1),
                 "viewers_of_servers": [int(metrics(port)["flying"]) for port in self._ports], "load": [round(metrics(port)["pool_load"], 2) for port in self._ports]}
 
 
@@ -115,7 +116,7 @@ def fly(options, way, folder, store):
             if options.share:
                 shares.append(stack.enter_context(Share(f"{way}-{i}")))
             server = start(foreland("serve"), *(f"http://127.0.0.1:{store}/{scene.name}" for scene in options.scenes), "--listen", "127.0.0.1:0",
-                           "--agent-listen", f"127.0.0.1:{agent}", "--store-cache-mib", options.cache_mib, "--threads", "1", "--log-level", "off")
+                           "--agent-listen", f"127.0.0.1:{agent}", "--trusted-proxy", "127.0.0.1", "--store-cache-mib", options.cache_mib, "--threads", "1", "--log-level", "off")
             servers.append((port_of(server.line()), agent))
             if options.share:
                 shares[-1].set(options.share)
@@ -136,19 +137,20 @@ def fly(options, way, folder, store):
             flights.append(start(foreland("fly"), f"ws://127.0.0.1:{door}/{scene.stem}/", "--viewers", GROUP, "--tour", ("survey", "canyon")[i // len(options.scenes) % 2],
                                  "--seconds", round(left), "--tau", options.tau, "--viewport", "320x180", "--json"))
         until(lambda: sum(metrics(port)["flying"] for port in ports) >= 0.95 * groups * GROUP, "all viewers")
-        came_s, speeds = time.monotonic() - begin, [1] * len(ports)
+        came_s, speeds = time.monotonic() - begin, [options.share or 1] * len(ports)
         found = {"come": Use(ports, speeds).watch(options.seconds - (came_s - options.over) - STEP_S, flights)}
         if options.share:
             shares[0].set(options.share / 2)
-            speeds[0] = 0.5
+            speeds[0] /= 2
             found["slowed"] = Use(ports, speeds).watch(options.seconds - STEP_S, flights)
         reports = [json.loads(output) if (output := flight.result()[1]).strip() else {} for flight in flights]
         last = [metrics(port) for port in ports]
     total = lambda key: sum(report.get(key, 0) for report in reports)
     counted = lambda key: int(sum(count[key] for count in last))
-    return {"viewers": groups * GROUP, "landed": total("landed"), "reconnected": total("resumed") + total("started_afresh"), "keyframes": total("keyframes"),
+    uses, chunks = counted("store_uses_total"), counted("store_fetched_chunks_total")
+    return {"viewers": groups * GROUP, "landed": total("landed"), "errors": sorted({report["error"] for report in reports if "error" in report}), "reconnected": total("resumed") + total("started_afresh"), "keyframes": total("keyframes"),
             "late_keyframes": total("late_keyframes"), "longest_gap_p99_ms": p99_of_gaps(reports), "came_s": round(came_s, 1), "handed_over": counted("handed_over_total"),
-            **found, "fetched_bytes": counted("store_fetched_bytes_total"), "evicted_chunks": counted("store_evicted_chunks_total")}
+            **found, "cache_hit_rate": round(1 - chunks / max(uses, 1), 4), "fetched_bytes": counted("store_fetched_bytes_total"), "evicted_chunks": counted("store_evicted_chunks_total")}
 
 
 def broken_by(report, way):

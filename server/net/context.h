@@ -14,6 +14,7 @@
 #include <utility>
 
 #include "server/net/access/gate.h"
+#include "server/net/fleet_level.h"
 #include "server/net/http/http_reply.h"
 #include "server/net/metrics/metrics.h"
 #include "server/net/server.h"
@@ -43,6 +44,7 @@ struct ServerContext {
   std::shared_ptr<boost::asio::ssl::context> tls{};  // null: the public port is in the clear
   std::set<std::shared_ptr<ViewerConnection>> viewers{};
   bool is_draining = false;  // takes no further viewers
+  FleetLevel fleet{};
 
   void log(Severity severity, const std::string& line) const {
     if (options.log) options.log(severity, line);

@@ -85,6 +85,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     if (isFullFor(request)) return refuse({503, RefusedFor::kAddress, kTooManyFromThere});
     const bool is_upgrade = beast::websocket::is_upgrade(request);
     if (admission_ != Admission::kMetrics && is_upgrade) return letIn();
+    noteFleet(request);
     HttpReply reply = replyTo({.method = view(request.method_string()),
                                .target = view(request.target()),
                                .if_none_match = view(request[http::field::if_none_match]),
@@ -96,6 +97,13 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     if (reply.status == 426 && isForViewers(view(request.target()), context_.site))
       reply = viewersReply(std::move(reply));
     write(reply, request.method() == http::verb::head, request.keep_alive());
+  }
+
+  // What a balancer says of the fleet with its checks. It takes these fields from what it passes on.
+  void noteFleet(const http::request<http::string_body>& request) {
+    const auto state = request.find("X-Haproxy-Server-State");
+    if (state == request.end() || view(request.target()) != "/readyz" || !context_.gate.isTrusted(from_)) return;
+    context_.fleet.note(view(state->value()), view(request["X-Foreland-Servers"]), context_.clock());
   }
 
   // Whether there are as many connections from the address that a trusted proxy names as may be.

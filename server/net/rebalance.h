@@ -1,10 +1,12 @@
-// Whom a server that is overloaded asks to connect elsewhere: its costliest viewers, by the protocol's own migration
-// (server/session/migration.h), so many that the rest can be served. A balancer that weights servers by their load
-// (HAProxy's agent-check) leads them to where there is room. A server does not know how busy the others are: where all
-// are, it asks more and more seldom. No clock; one owner.
+// Whom a server asks to connect elsewhere, because it is busier than the others: its costliest viewers, by the
+// protocol's own migration (server/session/migration.h), until it is at the others' level. A balancer that weights
+// servers by their load (HAProxy's agent-check) leads them to where there is room, and says how busy the others are
+// (fleet_level.h). Where it does not say, a server that is overloaded asks so many that the rest can be served, more
+// and more seldom while that does not help, for the others may be as busy. No clock; one owner.
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -14,8 +16,10 @@ namespace foreland::server {
 
 class Rebalance {
  public:
-  static constexpr double kGoal = 0.75;                        // of the workers' time, to be used afterwards
-  static constexpr double kMaxShare = 0.25;                    // of the viewers, at once
+  static constexpr double kGoal = 0.75;      // of the workers' time, to be used afterwards, if the level is not known
+  static constexpr double kUneven = 1.1;     // times the level: what is uneven
+  static constexpr double kLeast = 0.3;      // of the workers' time: who uses less has time for all of its viewers
+  static constexpr double kMaxShare = 0.25;  // of the viewers, at once
   static constexpr Duration kMinStay = Duration::seconds(10);  // of a viewer, before it is asked
   static constexpr Duration kMinPause = Duration::seconds(2), kMaxPause = Duration::seconds(60);
 
@@ -24,10 +28,17 @@ class Rebalance {
     Time since{};     // when it came
   };
 
-  // Indices of those to ask at `now`, the costliest first. `load` is the share of the time of `workers` that is used;
-  // `is_overloaded` whether that is too much (Load::isOverloaded). O(viewers log viewers).
-  std::vector<size_t> choose(std::span<const Viewer> viewers, double load, bool is_overloaded, size_t workers,
-                             Time now);
+  // How busy this server is, and the others are.
+  struct Use {
+    double load = 0;             // the share of the workers' time that is used
+    bool is_overloaded = false;  // whether that is too much (Load::isOverloaded)
+    size_t workers = 1;
+    std::optional<double> fleet{};  // the mean of all servers (FleetLevel)
+  };
+
+  // Indices of those to ask at `now`, the costliest first. With a known level nobody is among them who costs more than
+  // what is above it, and all of them together do not. O(viewers log viewers).
+  std::vector<size_t> choose(std::span<const Viewer> viewers, const Use& use, Time now);
 
  private:
   Time next_{};

@@ -236,7 +236,11 @@ class Server::Impl {
     std::vector<Rebalance::Viewer> viewers;
     for (const auto& viewer : everyone)
       viewers.push_back({viewer->isMigrating() ? 0 : viewer->cost(), viewer->openedAt()});
-    for (const size_t i : rebalance_.choose(viewers, host_.load(), host_.isOverloaded(), pool_.threadCount(), now)) {
+    const Rebalance::Use use{.load = host_.load(),
+                             .is_overloaded = host_.isOverloaded(),
+                             .workers = pool_.threadCount(),
+                             .fleet = context_.fleet.at(now)};
+    for (const size_t i : rebalance_.choose(viewers, use, now)) {
       everyone[i]->migrate();
       ++metrics_.migrated;
     }
@@ -290,6 +294,7 @@ class Server::Impl {
                                        .process = processMetrics(),
                                        .threads = pool_.threadCount(),
                                        .load = host_.load(),
+                                       .fleet_load = context_.fleet.at(clock_()),
                                        .queue_depth = pool_.queueDepth(),
                                        .lateness = &pool_.lateness(),
                                        .coded_pages = codedPages(),
@@ -327,6 +332,7 @@ class Server::Impl {
       sum->held_bytes += counts.held * each;
       sum->capacity_bytes += counts.capacity * each;
       sum->wished += counts.wished;
+      sum->uses += counts.uses;
       sum->fetched += counts.fetched;
       sum->fetched_bytes += counts.fetched_bytes;
       sum->evicted += counts.evicted;

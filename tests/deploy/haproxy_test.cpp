@@ -44,9 +44,9 @@ class BehindHaproxy : public testing::Test {
 
   void start(size_t i) {
     const std::string listen = local(ports_[i]);
-    servers_[i].emplace(
-        "serve", std::vector<std::string>{folder_ / "land.fls", "--listen", listen, "--agent-listen", local(agents_[i]),
-                                          "--drain-seconds", "10", "--log-level", "off"});
+    servers_[i].emplace("serve", std::vector<std::string>{folder_ / "land.fls", "--listen", listen, "--agent-listen",
+                                                          local(agents_[i]), "--trusted-proxy", "127.0.0.1",
+                                                          "--drain-seconds", "10", "--log-level", "off"});
     ports_[i] = portOf(servers_[i]->readLine());
     ASSERT_GT(ports_[i], 0);
   }
@@ -132,6 +132,16 @@ TEST_F(BehindHaproxy, ViewersOfAServerThatIsKilledResumeAtTheOther) {
   EXPECT_EQ(servers_[0]->wait(), -1);
   EXPECT_TRUE(eventually([&] { return metric(ports_[1], "sessions") == count_; }));
   expectResumed(static_cast<int>(moved));
+}
+
+// With the checks: no server is busy. What a client says of the fleet through the proxy is not passed on.
+TEST_F(BehindHaproxy, ServersAreToldHowBusyTheFleetIs) {
+  for (const uint16_t port : ports_) EXPECT_TRUE(eventually([&] { return metric(port, "fleet_load") == 0; }));
+  const std::string made_up = "X-Haproxy-Server-State: UP; weight=1/1\r\nX-Foreland-Servers: 1\r\n";
+  EXPECT_NE(httpGet(public_, "/readyz", made_up).find(" 200 "), std::string::npos);
+  for (const uint16_t port : ports_) EXPECT_EQ(metric(port, "fleet_load"), 0);
+  EXPECT_NE(httpGet(ports_[0], "/readyz", made_up).find(" 200 "), std::string::npos);
+  EXPECT_GT(metric(ports_[0], "fleet_load"), 0) << "who is trusted is believed";
 }
 
 // The agent's answer has been taken, and leaves each server all of its weight, for nobody flies.

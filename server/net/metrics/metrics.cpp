@@ -77,7 +77,8 @@ void renderViewers(const Metrics& m, Page& page) {
   page.counters("foreland_refusals_total", "Connections and viewers refused, by reason.", "reason", kRefusalNames,
                 m.refusals);
   page.counter("foreland_handed_over_total",
-               "Viewers asked to connect elsewhere, because the server stops or is overloaded.", m.migrated.load());
+               "Viewers asked to connect elsewhere, because the server stops or is busier than others.",
+               m.migrated.load());
   page.counter("foreland_resumed_total", "Sessions that started from a section that the viewer held.",
                m.resumed.load());
   page.counter("foreland_failures_total", "Exceptions, each of which ended one viewer or request.", m.failures.load());
@@ -138,6 +139,7 @@ void renderStore(const Metrics& m, const StoreCounts& store, Page& page) {
   page.gauge("foreland_store_cache_bytes", "Bytes of scenes at a distance that are there.", store.there_bytes);
   page.gauge("foreland_store_held_bytes", "Of these, bytes that somebody's section needs.", store.held_bytes);
   page.gauge("foreland_store_capacity_bytes", "The most that may be there.", store.capacity_bytes);
+  page.counter("foreland_store_uses_total", "Times that a viewer began to need a chunk that was there.", store.uses);
   page.counter("foreland_store_fetched_chunks_total", "Chunks fetched from stores.", store.fetched);
   page.counter("foreland_store_fetched_bytes_total", "Their bytes.", store.fetched_bytes);
   page.counter("foreland_store_evicted_chunks_total", "Chunks that made room for others.", store.evicted);
@@ -150,6 +152,9 @@ void renderState(const ServerState& state, Page& page) {
   page.gauge("foreland_uptime_seconds", "Time since the server started.", state.uptime_s);
   page.gauge("foreland_worker_threads", "Threads of the pool.", state.threads);
   page.gauge("foreland_pool_load", "Share of these threads' time that was used in the last half second.", state.load);
+  if (state.fleet_load)
+    page.gauge("foreland_fleet_load",
+               "The same of all servers in the mean, as their balancer says it: up to 0.85, or 1.", *state.fleet_load);
   page.gauge("foreland_queue_depth", "Jobs released and not yet started.", state.queue_depth);
   page.gauges("foreland_scene_sessions", "Viewers connected, by scene.", "scene", state.viewers_by_scene);
   if (state.lateness)

@@ -45,7 +45,8 @@ struct Metrics {
   std::atomic<int64_t> remembered_nodes{0}, memory_bytes{0};  // likewise, of what viewers know beside their sections
   std::atomic<uint64_t> sessions_opened{0};
   std::array<std::atomic<uint64_t>, kRefusals> refusals{};
-  std::atomic<uint64_t> migrated{0};  // viewers asked to connect elsewhere, because the server stops or is overloaded
+  std::atomic<uint64_t> migrated{
+      0};  // viewers asked to connect elsewhere, because the server stops or is busier than others
   std::array<std::atomic<uint64_t>, kHttpStatuses.size()> http_replies{};
   std::atomic<uint64_t> keyframes{0};
   std::atomic<uint64_t> skipped_keyframes{0};  // because the last delta was still unsent
@@ -79,7 +80,7 @@ struct CodedPageCounts {
 // What is known of scenes at a distance (terrain/store/distant).
 struct StoreCounts {
   uint64_t there_bytes = 0, held_bytes = 0, capacity_bytes = 0, wished = 0;
-  uint64_t fetched = 0, fetched_bytes = 0, evicted = 0;
+  uint64_t uses = 0, fetched = 0, fetched_bytes = 0, evicted = 0;
   std::array<uint64_t, 3> failures{};  // reads that failed, chunks that were not sound, no room
 };
 
@@ -90,6 +91,7 @@ struct ServerState {
 
   size_t threads = 0;
   double load = 0;
+  std::optional<double> fleet_load{};  // the mean of all servers, where a balancer says it
   size_t queue_depth = 0;
   const Histogram* lateness = nullptr;
   std::optional<CodedPageCounts> coded_pages{};                     // of scenes whose pages are coded

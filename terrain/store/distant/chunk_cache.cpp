@@ -90,6 +90,7 @@ bool ChunkCache::hold(Chunk chunk) {
   while (holders != kAbsent) {
     if (!state.holders.compare_exchange_weak(holders, holders + 1, std::memory_order_acquire)) continue;
     if (holders == 0) held_.fetch_add(1, std::memory_order_relaxed);
+    uses_.fetch_add(1, std::memory_order_relaxed);
     return true;
   }
   return false;
@@ -347,6 +348,7 @@ ChunkCache::Counts ChunkCache::counts() const {
   counts.capacity = capacity_;
   counts.there = there_.size();
   counts.held = held_.load(std::memory_order_relaxed);
+  counts.uses = uses_.load(std::memory_order_relaxed);
   for (const std::vector<Wish>& each : wishes_) counts.wished += each.size();
   return counts;
 }

@@ -46,6 +46,7 @@ class ChunkCache {
   struct Counts {
     uint64_t capacity = 0, held = 0;  // chunks that may be there, and that somebody holds
     uint64_t there = 0, wished = 0;   // chunks
+    uint64_t uses = 0;                // times that somebody began to hold one
     uint64_t fetched = 0, fetched_bytes = 0, evicted = 0;
     uint64_t failed = 0, unsound = 0;  // reads that failed; chunks that were not what their checksums say
     uint64_t no_room = 0;              // times that nothing could be fetched: all that is there is held or wished for
@@ -135,7 +136,7 @@ class ChunkCache {
   const uint8_t* data_ = nullptr;
   std::unique_ptr<State[]> states_;
   std::atomic<uint64_t> clock_{0};  // of uses
-  std::atomic<uint64_t> held_{0};
+  std::atomic<uint64_t> held_{0}, uses_{0};
 
   mutable std::mutex mutex_;  // of what follows
   std::condition_variable changed_;
