@@ -149,8 +149,8 @@ def fly(options, way, folder, store):
     counted = lambda key: int(sum(count[key] for count in last))
     uses, chunks = counted("store_uses_total"), counted("store_fetched_chunks_total")
     return {"viewers": groups * GROUP, "landed": total("landed"), "errors": sorted({report["error"] for report in reports if "error" in report}), "reconnected": total("resumed") + total("started_afresh"), "keyframes": total("keyframes"),
-            "late_keyframes": total("late_keyframes"), "longest_gap_p99_ms": p99_of_gaps(reports), "came_s": round(came_s, 1), "handed_over": counted("handed_over_total"),
-            **found, "cache_hit_rate": round(1 - chunks / max(uses, 1), 4), "fetched_bytes": counted("store_fetched_bytes_total"), "evicted_chunks": counted("store_evicted_chunks_total")}
+            "late_keyframes": total("late_keyframes"), "longest_gap_p99_ms": p99_of_gaps(reports), "longest_resume_ms": round(max(report.get("longest_resume_ms", 0) for report in reports), 1), "came_s": round(came_s, 1), "handed_over": counted("handed_over_total"),
+            **found, "cache_hit_rate": round(1 - chunks / max(uses, 1), 6), "fetched_bytes": counted("store_fetched_bytes_total"), "evicted_chunks": counted("store_evicted_chunks_total")}
 
 
 def broken_by(report, way):

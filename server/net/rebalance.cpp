@@ -3,33 +3,39 @@
 #include <algorithm>
 #include <numeric>
 
+#include "server/net/metrics/load.h"
+
 namespace foreland::server {
 namespace {
 
 using Viewer = Rebalance::Viewer;
+using Use = Rebalance::Use;
 
-// What viewers cost above what they should, in workers; nothing if that is not to be changed. Costs are means over some
-// seconds, the load is of the last moment.
-std::optional<double> excessOf(std::span<const Viewer> viewers, const Rebalance::Use& use) {
-  const auto workers = static_cast<double>(use.workers);
-  if (!use.fleet) {
-    if (!use.is_overloaded) return std::nullopt;
-    return (use.load - Rebalance::kGoal) * workers;
-  }
-  const double used = std::accumulate(viewers.begin(), viewers.end(), 0.0,
-                                      [](double sum, const Viewer& viewer) { return sum + viewer.cost; }) /
-                      workers;
-  if (used < Rebalance::kLeast || used < Rebalance::kUneven * *use.fleet) return std::nullopt;
-  return (used - std::max(*use.fleet, Rebalance::kLeast)) * workers;
+double costOf(std::span<const Viewer> viewers) {
+  return std::accumulate(viewers.begin(), viewers.end(), 0.0,
+                         [](double sum, const Viewer& viewer) { return sum + viewer.cost; });
 }
+
+// The share of its time that the server uses. A decision that cannot be repeated often is made by the last moment, one
+// that can by means over some seconds, as costs are.
+double usedBy(std::span<const Viewer> viewers, const Use& use) {
+  return use.fleet ? std::max(costOf(viewers) / static_cast<double>(use.workers), use.connections) : use.load;
+}
+
+bool isTooMuch(double used, const Use& use) {
+  if (!use.fleet) return used > Load::kBusy;
+  return used > Rebalance::kLeast && used > Rebalance::kUneven * *use.fleet;
+}
+
+double goalOf(const Use& use) { return use.fleet ? std::max(*use.fleet, Rebalance::kLeast) : Rebalance::kGoal; }
 
 }  // namespace
 
 // A pause lets what was done show.
 std::vector<size_t> Rebalance::choose(std::span<const Viewer> viewers, const Use& use, Time now) {
   if (now < next_) return {};
-  auto excess = excessOf(viewers, use);
-  if (!excess) {
+  const double used = usedBy(viewers, use);
+  if (!isTooMuch(used, use)) {
     pause_ = kMinPause;
     return {};
   }
@@ -39,15 +45,18 @@ std::vector<size_t> Rebalance::choose(std::span<const Viewer> viewers, const Use
   std::sort(order.begin(), order.end(), [&](size_t a, size_t b) {
     return viewers[a].cost > viewers[b].cost || (viewers[a].cost == viewers[b].cost && a < b);
   });
-  const auto most = static_cast<size_t>(kMaxShare * static_cast<double>(viewers.size()));
+  const double count = static_cast<double>(viewers.size()), all = costOf(viewers) + use.connections;
+  const auto most = static_cast<size_t>(use.fleet ? std::max(1.0, kFewShare * count) : kMaxShare * count);
+  double excess = used - goalOf(use);
   std::vector<size_t> chosen;
   for (const size_t i : order) {
-    if (chosen.size() >= most || *excess <= 0) break;
-    if (use.fleet && viewers[i].cost > *excess) continue;
-    *excess -= viewers[i].cost;
+    if (chosen.size() >= most || excess <= 0) break;
+    const double share = used * (viewers[i].cost + use.connections / count) / all;
+    if (use.fleet && share > excess) continue;
+    excess -= share;
     chosen.push_back(i);
   }
-  if (!chosen.empty()) {
+  if (!chosen.empty() && !use.fleet) {
     next_ = now + pause_;
     pause_ = std::min(Duration{2 * pause_.us}, kMaxPause);
   }

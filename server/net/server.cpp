@@ -27,6 +27,8 @@
 #include "server/net/http_connection.h"
 #include "server/net/listener.h"
 #include "server/net/memory_return.h"
+#include "server/net/metrics/load.h"
+#include "server/net/metrics/thread_use.h"
 #include "server/net/rebalance.h"
 #include "server/net/repeater.h"
 #include "server/net/viewer_connection.h"
@@ -198,7 +200,7 @@ class Server::Impl {
   // before.
   void tellWeight(tcp::socket socket) {
     const bool is_leaving = is_stopping_ || context_.is_draining;
-    sayAndClose(socket, is_leaving ? "drain\n" : fmt::format("ready {}%\n", host_.weightPercent()));
+    sayAndClose(socket, is_leaving ? "drain\n" : fmt::format("ready {}%\n", Load::weightPercent(load())));
   }
 
   // Whether it is read is not waited for.
@@ -214,12 +216,16 @@ class Server::Impl {
   std::string unready(int64_t asking) const {
     if (is_stopping_ || context_.is_draining) return "The server stops.";
     if (metrics_.connections - asking >= static_cast<int64_t>(options_.max_connections)) return "The server is full.";
-    return host_.isOverloaded() ? "The server is overloaded." : "";
+    return load() > Load::kBusy ? "The server is overloaded." : "";
   }
+
+  // Of what limits the server, the workers or the thread for connections: the share of its time that was used of late.
+  double load() const { return std::max(host_.load(), io_use_.last()); }
 
   void watch() {
     watch_.start(std::min(Duration{options_.idle_timeout.us / 4}, Duration::seconds(1)), [this] {
       const Time now = clock_();
+      io_use_.update(now);
       const auto everyone = everyViewer();
       for (const auto& viewer : everyone) viewer->check(now);
       relieve(everyone, now);
@@ -236,10 +242,8 @@ class Server::Impl {
     std::vector<Rebalance::Viewer> viewers;
     for (const auto& viewer : everyone)
       viewers.push_back({viewer->isMigrating() ? 0 : viewer->cost(), viewer->openedAt()});
-    const Rebalance::Use use{.load = host_.load(),
-                             .is_overloaded = host_.isOverloaded(),
-                             .workers = pool_.threadCount(),
-                             .fleet = context_.fleet.at(now)};
+    const Rebalance::Use use{
+        .load = load(), .workers = pool_.threadCount(), .connections = io_use_.mean(), .fleet = context_.fleet.at(now)};
     for (const size_t i : rebalance_.choose(viewers, use, now)) {
       everyone[i]->migrate();
       ++metrics_.migrated;
@@ -294,6 +298,7 @@ class Server::Impl {
                                        .process = processMetrics(),
                                        .threads = pool_.threadCount(),
                                        .load = host_.load(),
+                                       .io_load = io_use_.last(),
                                        .fleet_load = context_.fleet.at(clock_()),
                                        .queue_depth = pool_.queueDepth(),
                                        .lateness = &pool_.lateness(),
@@ -371,6 +376,7 @@ class Server::Impl {
   Repeater drain_loop_{io_, [this](const char* what) { failed(what); }};
   Repeater leave_loop_{io_, [this](const char* what) { failed(what); }};
   MemoryReturn memory_return_;  // I/O thread
+  ThreadUse io_use_;            // I/O thread
   Rebalance rebalance_;         // I/O thread
   std::optional<Drain> drain_;  // I/O thread
   std::promise<void> drained_;

@@ -54,11 +54,8 @@ class SessionHost {
   // Viewers connected, by world. Any thread.
   std::vector<int64_t> sessionsByWorld() const { return {sessions_.begin(), sessions_.end()}; }
 
-  // Whether the workers are too busy for further viewers. Any thread.
-  bool isOverloaded() const { return load_.isOverloaded(clock_()); }
-  // The share of the workers' time that was used of late.
+  // The share of the workers' time that was used of late. Any thread.
   double load() const { return load_.busyAt(clock_()); }
-  int weightPercent() const { return load_.weightPercent(clock_()); }
 
  private:
   friend class SessionActor;

@@ -25,8 +25,8 @@ void Load::add(Duration spent, Time now) {
       std::memory_order_relaxed);
 }
 
-int Load::weightPercent(Time now) const {
-  return static_cast<int>(std::clamp(std::lround(100 * (1 - busyAt(now) / kBusy)), 1L, 100L));
+int Load::weightPercent(double busy) {
+  return static_cast<int>(std::clamp(std::lround(100 * (1 - busy / kBusy)), 1L, 100L));
 }
 
 // What two threads change at once may count once.

@@ -25,10 +25,8 @@ class Load {
   double busyAt(Time now) const {
     return now.us < window_end_us_.load(std::memory_order_relaxed) + kWindow.us ? busy() : 0;
   }
-  // Whether that was too much, and not long ago.
-  bool isOverloaded(Time now) const { return busyAt(now) > kBusy; }
-  // What is left of kBusy, as the weight that HAProxy's agent-check takes: 1 to 100 percent.
-  int weightPercent(Time now) const;
+  // What is left of kBusy where `busy` is used, as the weight that HAProxy's agent-check takes: 1 to 100 percent.
+  static int weightPercent(double busy);
 
   // Notes a new viewer, who is expected to take kUsualCost until what it takes shows.
   void addViewer();

@@ -18,7 +18,7 @@ namespace foreland::server {
 namespace {
 
 using Viewer = Rebalance::Viewer;
-constexpr Rebalance::Use kFull{.load = 1, .is_overloaded = true};
+constexpr Rebalance::Use kFull{.load = 1};
 
 Time at(double seconds) { return Time{} + Duration::seconds(seconds); }
 
@@ -33,6 +33,11 @@ double costOf(const std::vector<Viewer>& viewers, const std::vector<size_t>& whi
   return std::accumulate(which.begin(), which.end(), 0.0, [&](double sum, size_t i) { return sum + viewers[i].cost; });
 }
 
+double sumOf(const std::vector<Viewer>& viewers) {
+  return std::accumulate(viewers.begin(), viewers.end(), 0.0,
+                         [](double sum, const Viewer& viewer) { return sum + viewer.cost; });
+}
+
 TEST(Rebalance, AsksNobodyUnlessItIsOverloaded) {
   Rng rng(test::randomSeed());
   EXPECT_TRUE(Rebalance().choose(someViewers(rng), {.load = 0.8}, at(100)).empty());
@@ -42,9 +47,10 @@ TEST(Rebalance, AsksNobodyUnlessItIsOverloaded) {
 TEST(Rebalance, AsksTheFewestThatSuffice) {
   Rng rng(test::randomSeed());
   for (int i = 0; i < 200; ++i) {
-    const std::vector<Viewer> viewers = someViewers(rng);
-    const double load = rng.uniform(0.86, 1), excess = load - Rebalance::kGoal;
-    const auto asked = Rebalance().choose(viewers, {.load = load, .is_overloaded = true}, at(100));
+    std::vector<Viewer> viewers = someViewers(rng);
+    const double load = rng.uniform(0.86, 1), excess = load - Rebalance::kGoal, sum = sumOf(viewers);
+    for (Viewer& viewer : viewers) viewer.cost *= load / sum;
+    const auto asked = Rebalance().choose(viewers, {.load = load}, at(100));
     ASSERT_FALSE(asked.empty());
     std::vector<double> costs;
     for (const Viewer& viewer : viewers) costs.push_back(viewer.cost);
@@ -96,11 +102,6 @@ TEST(Rebalance, AsksQuicklyAgainOnceItHadRoom) {
   EXPECT_FALSE(server.choose(viewers, kFull, at(now + 3.1)).empty());
 }
 
-double sumOf(const std::vector<Viewer>& viewers) {
-  return std::accumulate(viewers.begin(), viewers.end(), 0.0,
-                         [](double sum, const Viewer& viewer) { return sum + viewer.cost; });
-}
-
 // Servers who know their mean, and viewers who come to one of them at random where they leave another: all are even
 // soon, and nobody is moved any more. Costs differ tenfold.
 TEST(Rebalance, BringsServersToOneLevelThatKnowIt) {
@@ -119,7 +120,7 @@ TEST(Rebalance, BringsServersToOneLevelThatKnowIt) {
     for (int second = 100; second < 300; ++second)
       for (size_t s = 0; s < kServers; ++s) {
         const double used = sumOf(of[s]);
-        auto asked = servers[s].choose(of[s], {.load = used, .is_overloaded = used > 0.85, .fleet = mean}, at(second));
+        auto asked = servers[s].choose(of[s], {.load = used, .fleet = mean}, at(second));
         if (!asked.empty()) last_move = second;
         EXPECT_TRUE(asked.empty() || used > mean);
         EXPECT_GE(used - costOf(of[s], asked), std::min(used, mean) - 1e-9) << "nobody gives more than is too much";
@@ -141,10 +142,21 @@ TEST(Rebalance, AsksNobodyWhereTheOthersAreAsBusy) {
   for (int i = 0; i < 200; ++i) {
     const std::vector<Viewer> viewers = someViewers(rng);
     const double used = sumOf(viewers);
-    EXPECT_TRUE(Rebalance().choose(viewers, {.load = 1, .is_overloaded = true, .fleet = used / 1.05}, at(100)).empty());
+    EXPECT_TRUE(Rebalance().choose(viewers, {.load = 1, .fleet = used / 1.05}, at(100)).empty());
   }
   EXPECT_TRUE(Rebalance().choose(std::vector<Viewer>(20, {0.01, at(0)}), {.load = 0.2, .fleet = 0.01}, at(100)).empty())
       << "who has time for all";
+}
+
+// Where viewers cost the workers next to nothing.
+TEST(Rebalance, CountsTheThreadForConnections) {
+  const std::vector<Viewer> viewers(60, {0.001, at(0)});
+  const auto asked = [&](double connections) {
+    return Rebalance().choose(viewers, {.connections = connections, .fleet = 0.5}, at(100)).size();
+  };
+  EXPECT_EQ(asked(0.5), 0u);
+  EXPECT_EQ(asked(0.9), 2u);
+  EXPECT_EQ(asked(0.56), 2u);  // 0.06 are too much, and each takes 0.56 / 60
 }
 
 // Six servers' weights as HAProxy 2.6 sends them.
