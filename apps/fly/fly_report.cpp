@@ -108,7 +108,7 @@ Report (--json prints one object with these keys):
   strategy, predictor, blend, tau_px, keyframe_ms, longest_keyframe_ms, worst_lateness_ms, notes
   scene_first, scene_last       dates that were shown, in scenes that change in time
 With --viewers N: viewers, landed (flew to the end), error (the first), the sums of the figures above, and of the viewers' longest
-gaps the median, the 99th percentile and the longest (longest_gap_p50_ms, longest_gap_p99_ms, longest_gap_ms)
+gaps all (longest_gaps_ms), the median, the 99th percentile and the longest (longest_gap_p50_ms, longest_gap_p99_ms, longest_gap_ms)
 With --truth SCENE, measured after landing on a replay of the flight:
   max_error_px_keyframes        each keyframe's section seen from the pose it was computed for (geomorphs: as it is
                                 drawn at its time)

@@ -84,6 +84,7 @@ nlohmann::ordered_json reportOf(const Fleet& f) {
                                  {"resumed", f.resumed},
                                  {"started_afresh", f.afresh},
                                  {"longest_resume_ms", f.longest_resume.toMilliseconds()}};
+  json["longest_gaps_ms"] = f.gaps_ms;
   json["longest_gap_p50_ms"] = percentile(f.gaps_ms, 0.5);
   json["longest_gap_p99_ms"] = percentile(f.gaps_ms, 0.99);
   json["longest_gap_ms"] = percentile(f.gaps_ms, 1);

@@ -188,11 +188,11 @@ std::optional<Due> Session::due() const {
 
 // After keyframes, which viewers wait for.
 std::optional<Due> Session::requestDue() const {
-  constexpr Duration kPatience = Duration::milliseconds(200);
-  if (input_.isResuming()) return Due{state_.now, state_.now + kPatience, true};
+  constexpr Duration kUntilResumed = Duration::milliseconds(200);
+  if (input_.isResuming()) return Due{state_.now, state_.now + kUntilResumed, true};
   if (input_.requests().empty() || unsent_) return std::nullopt;
   const Time release = std::max(state_.now, next_request_);
-  return Due{release, release + kPatience, true};
+  return Due{release, release + input_.requests().patience(), true};
 }
 
 // Its deadline is half a second later, so that keyframes are preferred. Where processors are short it is shed first.

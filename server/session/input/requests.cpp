@@ -96,6 +96,11 @@ void Requests::cancel(const proto::RequestCancel& request) {
   });
 }
 
+Duration Requests::patience() const {
+  return std::holds_alternative<proto::TourRequest>(waiting_.front()) ? Duration::seconds(1)
+                                                                      : Duration::milliseconds(200);
+}
+
 SightSlice Requests::answer(const terrain::Scene& scene, SightSupply& sight) {
   auto& oldest = waiting_.front();
   SightSlice answer{std::nullopt, true, false};

@@ -8,6 +8,7 @@
 
 #include "base/bytes.h"
 #include "base/result.h"
+#include "base/time.h"
 #include "proto/message/message.h"
 #include "server/session/input/sight_work.h"
 #include "terrain/store/scene.h"
@@ -30,8 +31,12 @@ class Requests {
   // That waiting requests take.
   size_t bytes() const;
 
+  // How long the reply to the oldest may take, other viewers' keyframes first: a tour takes a worker longer than
+  // several of these, so those who come together would stop all others. There must be one.
+  Duration patience() const;
+
   // The reply to the oldest, or the next part of it; nothing if that takes another call. Once it is whole the request
-  // is removed. Cost: up to a second for a tour, O(positions) for heights, a few milliseconds for what is seen.
+  // is removed. Cost: some 0.05 s for a tour of minutes, O(positions) for heights, a few milliseconds for what is seen.
   SightSlice answer(const terrain::Scene& scene, SightSupply& sight);
 
  private:

@@ -490,6 +490,20 @@ TEST(Session, RefusesMoreRequestsThanMayWait) {
   EXPECT_FALSE(ask(99).ok());
 }
 
+// Else those who come together and ask for tours stop all who fly.
+TEST_F(GreetedSession, ATourIsDueAfterTheKeyframesOfOthersOfAWholeSecond) {
+  ASSERT_TRUE(session.receive(proto::encode(proto::TourRequest{1, "survey", 10}), Time{}).ok());
+  const auto due = session.due();
+  ASSERT_TRUE(due);
+  EXPECT_EQ(due->deadline, due->release + Duration::seconds(1));
+  session.step(due->release, scratch, out);
+  session.onDrained(due->release);
+  ASSERT_TRUE(session.receive(proto::encode(proto::GroundRequest{2, {{1, 2}}}), due->release).ok());
+  const auto soon = session.due();
+  ASSERT_TRUE(soon);
+  EXPECT_LT(soon->deadline, soon->release + Duration::seconds(1));
+}
+
 TEST_F(GreetedSession, ANewerTourReplacesOneThatWaits) {
   for (uint32_t i = 0; i < 60; ++i)
     ASSERT_TRUE(session.receive(proto::encode(proto::TourRequest{i, "survey", 10}), Time{}).ok());
