@@ -19,7 +19,8 @@ double costOf(std::span<const Viewer> viewers) {
 // The share of its time that the server uses. A decision that cannot be repeated often is made by the last moment, one
 // that can by means over some seconds, as costs are.
 double usedBy(std::span<const Viewer> viewers, const Use& use) {
-  return use.fleet ? std::max(costOf(viewers) / static_cast<double>(use.workers), use.connections) : use.load;
+  if (!use.fleet) return use.load;
+  return std::max({costOf(viewers) / static_cast<double>(use.workers), use.connections, use.processors});
 }
 
 bool isTooMuch(double used, const Use& use) {

@@ -31,9 +31,10 @@ class Rebalance {
 
   // How busy this server is, and the others are.
   struct Use {
-    double load = 0;  // of late: the share that is used of the workers' time or, if that is more, of the I/O thread's
+    double load = 0;  // of late: the largest share that is used of the workers', the I/O thread's, the processors' time
     size_t workers = 1;
     double connections = 0;         // the share of the I/O thread's time that is used, over some seconds
+    double processors = 0;          // likewise, of the processors' time, by all threads
     std::optional<double> fleet{};  // the mean of all servers (FleetLevel)
   };
 

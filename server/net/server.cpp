@@ -28,7 +28,7 @@
 #include "server/net/listener.h"
 #include "server/net/memory_return.h"
 #include "server/net/metrics/load.h"
-#include "server/net/metrics/thread_use.h"
+#include "server/net/metrics/processor_use.h"
 #include "server/net/rebalance.h"
 #include "server/net/repeater.h"
 #include "server/net/viewer_connection.h"
@@ -219,13 +219,14 @@ class Server::Impl {
     return load() > Load::kBusy ? "The server is overloaded." : "";
   }
 
-  // Of what limits the server, the workers or the thread for connections: the share of its time that was used of late.
-  double load() const { return std::max(host_.load(), io_use_.last()); }
+  // Of what limits the server, its workers, the thread for connections or the processors: the share of its time that
+  // was used of late.
+  double load() const { return std::max({host_.load(), use_.thread().last(), use_.process().last()}); }
 
   void watch() {
     watch_.start(std::min(Duration{options_.idle_timeout.us / 4}, Duration::seconds(1)), [this] {
       const Time now = clock_();
-      io_use_.update(now);
+      use_.update(now);
       const auto everyone = everyViewer();
       for (const auto& viewer : everyone) viewer->check(now);
       relieve(everyone, now);
@@ -242,8 +243,11 @@ class Server::Impl {
     std::vector<Rebalance::Viewer> viewers;
     for (const auto& viewer : everyone)
       viewers.push_back({viewer->isMigrating() ? 0 : viewer->cost(), viewer->openedAt()});
-    const Rebalance::Use use{
-        .load = load(), .workers = pool_.threadCount(), .connections = io_use_.mean(), .fleet = context_.fleet.at(now)};
+    const Rebalance::Use use{.load = load(),
+                             .workers = pool_.threadCount(),
+                             .connections = use_.thread().mean(),
+                             .processors = use_.process().mean(),
+                             .fleet = context_.fleet.at(now)};
     for (const size_t i : rebalance_.choose(viewers, use, now)) {
       everyone[i]->migrate();
       ++metrics_.migrated;
@@ -298,7 +302,8 @@ class Server::Impl {
                                        .process = processMetrics(),
                                        .threads = pool_.threadCount(),
                                        .load = host_.load(),
-                                       .io_load = io_use_.last(),
+                                       .io_load = use_.thread().last(),
+                                       .processor_load = use_.process().last(),
                                        .fleet_load = context_.fleet.at(clock_()),
                                        .queue_depth = pool_.queueDepth(),
                                        .lateness = &pool_.lateness(),
@@ -376,7 +381,7 @@ class Server::Impl {
   Repeater drain_loop_{io_, [this](const char* what) { failed(what); }};
   Repeater leave_loop_{io_, [this](const char* what) { failed(what); }};
   MemoryReturn memory_return_;  // I/O thread
-  ThreadUse io_use_;            // I/O thread
+  ProcessorUse use_;            // I/O thread
   Rebalance rebalance_;         // I/O thread
   std::optional<Drain> drain_;  // I/O thread
   std::promise<void> drained_;

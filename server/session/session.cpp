@@ -102,7 +102,7 @@ size_t Session::keptBytes() const {
 
 void Session::answer(std::vector<Bytes>& out) {
   constexpr Duration kUntilPrepared = Duration::milliseconds(20);
-  SightSlice reply = input_.requests().answer(world_->hierarchy.scene(), *world_->sight);
+  SightSlice reply = input_.requests().answer({world_->hierarchy.scene(), *world_->sight, *world_->tours, state_.now});
   did_ = Did::kRequest;
   if (reply.is_preparing) postponeReplies(state_.now + kUntilPrepared);
   if (!reply.message) return;

@@ -15,7 +15,8 @@ constexpr std::array kOcclusionNames{"off", "auto", "on"};
 World::World(std::shared_ptr<const terrain::Scene> scene, SceneObjects objects, const SightSetup& setup)
     : hierarchy(std::move(scene), proto::ErrorBound::kSpheroid, std::move(objects)),
       sight(std::make_unique<SightSupply>(hierarchy, setup.building,
-                                          hierarchy.scene().supply() ? SightOptions{0} : setup.options)) {
+                                          hierarchy.scene().supply() ? SightOptions{0} : setup.options)),
+      tours(std::make_unique<TourPlans>(hierarchy.scene())) {
   if (hierarchy.epochs().epochs().blend() != proto::EpochBlend::kLinear)
     motion = std::make_unique<const GroundMotion>(hierarchy);
   if (hierarchy.scene().supply()) return;  // what is prepared reads all of the ground

@@ -13,6 +13,7 @@
 #include "server/section/ground_motion.h"
 #include "server/section/hierarchy.h"
 #include "server/sight/sight_supply.h"
+#include "server/view/tour_plans.h"
 
 namespace foreland::server {
 
@@ -31,6 +32,7 @@ struct World {
   std::shared_ptr<const SceneGround> ground;
   std::shared_ptr<const SceneOcclusion> occlusion;  // of the hierarchy; null: nothing is left out as hidden
   std::unique_ptr<SightSupply> sight;               // for who asks what is seen
+  std::unique_ptr<TourPlans> tours;
 };
 
 // Whether viewers who ask for it are sent nothing of what is hidden: none; each as long as it pays

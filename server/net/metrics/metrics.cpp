@@ -154,9 +154,12 @@ void renderState(const ServerState& state, Page& page) {
   page.gauge("foreland_pool_load", "Share of these threads' time that was used in the last half second.", state.load);
   page.gauge("foreland_io_load", "Share of the time of the thread for connections that was used in the last second.",
              state.io_load);
+  page.gauge("foreland_processor_load",
+             "Share of the time of the processors that this process may use that was used in the last second.",
+             state.processor_load);
   if (state.fleet_load)
     page.gauge("foreland_fleet_load",
-               "The larger of both, of all servers in the mean, as their balancer says it: up to 0.85, or 1.",
+               "The largest of these, of all servers in the mean, as their balancer says it: up to 0.85, or 1.",
                *state.fleet_load);
   page.gauge("foreland_queue_depth", "Jobs released and not yet started.", state.queue_depth);
   page.gauges("foreland_scene_sessions", "Viewers connected, by scene.", "scene", state.viewers_by_scene);

@@ -90,7 +90,7 @@ struct ServerState {
   ProcessMetrics process;
 
   size_t threads = 0;
-  double load = 0, io_load = 0;
+  double load = 0, io_load = 0, processor_load = 0;
   std::optional<double> fleet_load{};  // the mean of all servers, where a balancer says it
   size_t queue_depth = 0;
   const Histogram* lateness = nullptr;

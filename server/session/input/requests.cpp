@@ -13,9 +13,9 @@ namespace foreland::server {
 namespace {
 
 // Whole, at once.
-Bytes replyTo(const proto::TourRequest& request, const terrain::Scene& scene) {
-  auto path = planTour(scene, request.name, request.seconds).value();
-  return proto::encode(proto::TourReply{request.id, path.step, std::move(path.poses)});
+Bytes replyTo(const proto::TourRequest& request, const Answering& with) {
+  const auto path = with.tours.plan(request.name, request.seconds, with.now);
+  return proto::encode(proto::TourReply{request.id, path->step, path->poses});
 }
 
 Bytes replyTo(const proto::GroundRequest& request, const terrain::Scene& scene) {
@@ -101,17 +101,17 @@ Duration Requests::patience() const {
                                                                       : Duration::milliseconds(200);
 }
 
-SightSlice Requests::answer(const terrain::Scene& scene, SightSupply& sight) {
+SightSlice Requests::answer(const Answering& with) {
   auto& oldest = waiting_.front();
   SightSlice answer{std::nullopt, true, false};
   if (auto* pairs = std::get_if<SightWork>(&oldest))
-    answer = pairs->proceed(sight);
+    answer = pairs->proceed(with.sight);
   else if (auto* viewshed = std::get_if<ViewshedWork>(&oldest))
-    answer = viewshed->proceed(sight);
+    answer = viewshed->proceed(with.sight);
   else if (const auto* tour = std::get_if<proto::TourRequest>(&oldest))
-    answer.message = replyTo(*tour, scene);
+    answer.message = replyTo(*tour, with);
   else
-    answer.message = replyTo(std::get<proto::GroundRequest>(oldest), scene);
+    answer.message = replyTo(std::get<proto::GroundRequest>(oldest), with.scene);
   if (answer.is_whole) waiting_.pop_front();
   return answer;
 }

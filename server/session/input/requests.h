@@ -11,9 +11,18 @@
 #include "base/time.h"
 #include "proto/message/message.h"
 #include "server/session/input/sight_work.h"
+#include "server/view/tour_plans.h"
 #include "terrain/store/scene.h"
 
 namespace foreland::server {
+
+// What replies are made of, and when.
+struct Answering {
+  const terrain::Scene& scene;
+  SightSupply& sight;
+  TourPlans& tours;
+  Time now;
+};
 
 class Requests {
  public:
@@ -37,7 +46,7 @@ class Requests {
 
   // The reply to the oldest, or the next part of it; nothing if that takes another call. Once it is whole the request
   // is removed. Cost: some 0.05 s for a tour of minutes, O(positions) for heights, a few milliseconds for what is seen.
-  SightSlice answer(const terrain::Scene& scene, SightSupply& sight);
+  SightSlice answer(const Answering& with);
 
  private:
   Status checkRoom() const;

@@ -5,8 +5,11 @@
 
 #include <cmath>
 #include <ctime>
+#include <filesystem>
+#include <fstream>
 
-#include "server/net/metrics/thread_use.h"
+#include "server/net/metrics/processor_use.h"
+#include "tests/support/files.h"
 
 namespace foreland::server {
 namespace {
@@ -89,8 +92,8 @@ TEST(Load, ExpectsSomethingOfNewViewers) {
 }
 
 // By the time that the test gives it: what ran counts, whatever the time was.
-TEST(ThreadUse, IsTheShareOfTimeInWhichTheThreadRan) {
-  ThreadUse use;
+TEST(ProcessorUse, IsTheShareOfTimeInWhichTheThreadRan) {
+  ProcessorUse use;
   use.update(ms(0));
   const auto used_ms = [] {
     timespec time{};
@@ -100,11 +103,38 @@ TEST(ThreadUse, IsTheShareOfTimeInWhichTheThreadRan) {
   const auto begin = used_ms();
   while (used_ms() < begin + 40) {}
   use.update(ms(20));
-  EXPECT_EQ(use.last(), 1);
-  EXPECT_NEAR(use.mean(), 1 - std::exp(-0.01), 1e-9);
+  EXPECT_EQ(use.thread().last(), 1);
+  EXPECT_NEAR(use.thread().mean(), 1 - std::exp(-0.01), 1e-9);
+  EXPECT_GT(use.process().last(), 0);
   use.update(ms(1'000'000));
-  EXPECT_LT(use.last(), 0.5);
-  EXPECT_NEAR(use.mean(), use.last(), 1e-9);
+  EXPECT_LT(use.thread().last(), 0.5);
+  EXPECT_NEAR(use.thread().mean(), use.thread().last(), 1e-9);
+  EXPECT_LT(use.process().last(), 0.5);
+}
+
+// As the kernel shows them, in files of a folder: the least of all groups above a process.
+TEST(ProcessorQuota, IsTheLeastOfTheControlGroups) {
+  const test::TemporaryFolder folder;
+  const std::filesystem::path root = folder / "groups";
+  const auto write = [&](const std::filesystem::path& file, const char* text) {
+    std::filesystem::create_directories((root / file).parent_path());
+    std::ofstream(root / file) << text;
+  };
+  EXPECT_FALSE(processorQuota(root, "/a/b"));
+  write("a/b/cpu.max", "max 100000\n");
+  EXPECT_FALSE(processorQuota(root, "/a/b"));
+  write("a/cpu.max", "50000 100000\n");
+  EXPECT_EQ(processorQuota(root, "/a/b"), 0.5);
+  EXPECT_EQ(processorQuota(root, "/a/unknown/here"), 0.5);
+  write("a/b/cpu.max", "20000 100000\n");
+  EXPECT_EQ(processorQuota(root, "/a/b"), 0.2);
+  write("cpu.cfs_quota_us", "-1\n"), write("cpu.cfs_period_us", "100000\n");
+  EXPECT_EQ(processorQuota(root, "/a/b"), 0.2);
+  write("cpu.cfs_quota_us", "10000\n");
+  EXPECT_EQ(processorQuota(root, "/a/b"), 0.1);
+  EXPECT_EQ(processorQuota(root, "/../../elsewhere"), 0.1);
+  write("a/b/cpu.max", "nonsense");
+  EXPECT_EQ(processorQuota(root, "/a/b"), 0.1);
 }
 
 }  // namespace

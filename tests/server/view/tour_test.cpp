@@ -7,6 +7,7 @@
 
 #include "base/rng.h"
 #include "server/view/ground.h"
+#include "server/view/tour_plans.h"
 #include "tests/support/scene.h"
 #include "tests/support/seed.h"
 #include "tests/support/sparse_scene.h"
@@ -164,6 +165,29 @@ TEST(Tour, IsTheSameOverScenesThatNowhereAreFiner) {
     for (size_t i = 0; i < a.poses.size(); i += 10)
       EXPECT_LT(glm::distance(glm::dvec2(a.poses[i].eye), glm::dvec2(b.poses[i].eye)), 1) << name << ' ' << i;
   }
+}
+
+void expectEqual(const proto::Path& a, const proto::Path& b) {
+  ASSERT_EQ(a.poses.size(), b.poses.size());
+  for (size_t i = 0; i < a.poses.size(); ++i)
+    EXPECT_TRUE(a.poses[i].eye == b.poses[i].eye && a.poses[i].orientation == b.poses[i].orientation) << i;
+}
+
+TEST(TourPlans, AreThoseOfOneViewerAndMadeOnce) {
+  Rng rng(test::randomSeed());
+  const auto scene = someScene(rng);
+  TourPlans plans(*scene);
+  for (int i = 0; i < 40; ++i) {
+    const std::string name = kTours[rng.below(kTours.size())];
+    const double seconds = 1 + static_cast<double>(rng.below(8));
+    const auto plan = plans.plan(name, seconds, Time{} + Duration::seconds(i));
+    expectEqual(*plan, planTour(*scene, name, seconds).value());
+    EXPECT_EQ(plans.plan(name, seconds, Time{} + Duration::seconds(1000)), plan) << "it is kept";
+  }
+  const auto oldest = plans.plan("survey", 20, Time{});
+  for (size_t i = 0; i < TourPlans::kMost; ++i) (void)plans.plan("survey", 30 + static_cast<double>(i), Time{});
+  EXPECT_NE(plans.plan("survey", 20, Time{}), oldest) << "no more than kMost are kept";
+  EXPECT_NE(plans.plan("spin", 700, Time{}), plans.plan("spin", 700, Time{})) << "long ones take memory";
 }
 
 }  // namespace
