@@ -54,10 +54,8 @@ Status forEachOfRims(const VoidRegions& found, double least, uint32_t width, uin
     };
     if (run.row > 0)
       if (Status s = addAll(run.row - 1, run.begin, run.end); !s.ok()) return s;
-    if (run.begin > 0)
-      if (Status s = addAll(run.row, run.begin - 1, run.begin); !s.ok()) return s;
-    if (run.end < width)
-      if (Status s = addAll(run.row, run.end, run.end + 1); !s.ok()) return s;
+    // The run itself has no heights.
+    if (Status s = addAll(run.row, run.begin - (run.begin > 0), run.end + (run.end < width)); !s.ok()) return s;
     if (run.row + 1 < height)
       if (Status s = addAll(run.row + 1, run.begin, run.end); !s.ok()) return s;
   }

@@ -14,7 +14,6 @@ namespace foreland::terrain {
 namespace {
 
 constexpr float kHole = std::numeric_limits<float>::quiet_NaN();
-constexpr size_t kMaxRuns = size_t{1} << 24;
 constexpr double kFlatShare = 0.02;  // of all samples: regions at least this large are filled flat,
 constexpr size_t kFlatLevels = 5;    // wherever a block of 2^5 samples a side lies wholly inside the region
 
@@ -68,11 +67,11 @@ uint64_t coarserValues(uint32_t width, uint32_t height) {
   return values;
 }
 
-RowFiller::RowFiller(VoidGrid& grid, uint32_t width, uint32_t height)
+RowFiller::RowFiller(VoidGrid& grid, uint32_t width, uint32_t height, size_t max_runs)
     : grid_(grid),
       pin_at_(flatLevel(width, height)),
       rows_(height),
-      finder_(kMaxRuns),
+      finder_(max_runs),
       report_{.total = uint64_t{width} * height} {
   levels_.push_back({.size = {width, height}});
   for (uint64_t at = 0; levels_.back().size.width > 1 || levels_.back().size.height > 1;) {

@@ -46,7 +46,10 @@ class RowFiller {
     uint32_t runs = 0, samples = 0;
   };
 
-  RowFiller(VoidGrid& grid, uint32_t width, uint32_t height);
+  // Of more runs regions are not told apart, and all are filled smoothly.
+  static constexpr size_t kMaxRuns = size_t{1} << 24;
+
+  RowFiller(VoidGrid& grid, uint32_t width, uint32_t height, size_t max_runs = kMaxRuns);
 
   // Reads all rows. To be called once.
   Status look();

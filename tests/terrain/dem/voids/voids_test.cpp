@@ -138,10 +138,10 @@ struct PlainFill {
   uint64_t regions = 0, flat_regions = 0, largest = 0;
   std::vector<float> flat;  // of each sample of the grid: what its region is flat at, or not a number
 
-  explicit PlainFill(const Grid& grid)
+  PlainFill(const Grid& grid, bool tells_regions_apart = true)
       : levels{{static_cast<int>(grid.width), static_cast<int>(grid.height), grid.heights}},
         flat(grid.heights.size(), kVoid) {
-    findRegions();
+    if (tells_regions_apart) findRegions();
     int pin_at = 1;
     while (pin_at < 5 && (std::min(levels[0].width, levels[0].height) >> (pin_at + 1)) >= 16) ++pin_at;
     while (levels.back().width > 1 || levels.back().height > 1) {
@@ -269,6 +269,64 @@ TEST(Voids, RowsGiveWhatWholeLevelsGive) {
     ASSERT_EQ(report.largest_region, plain.largest);
     ASSERT_EQ(grid.heights, plain.levels[0].values) << width << " x " << height << ", voids of kind " << kind;
   }
+}
+
+// Fills a grid, and holds the filler to how it says that it goes over rows.
+class WatchedGrid final : public VoidGrid {
+ public:
+  explicit WatchedGrid(Grid& grid) : grid_(grid), coarser_(coarserValues(grid.width, grid.height)) {}
+  Status readRow(uint32_t y, std::span<float> out) override {
+    EXPECT_LT(y, grid_.height);
+    if (passes_ == 0 || y < last_read_) ++passes_;
+    if (passes_ == 1) { EXPECT_EQ(y, rows_seen_++); }
+    last_read_ = y;
+    std::copy_n(&grid_.at(0, y), grid_.width, out.begin());
+    return {};
+  }
+  Status takeRow(uint32_t y, std::span<const float> row, const RunsOfRow& runs) override {
+    EXPECT_GE(y, next_taken_);
+    next_taken_ = y + 1;
+    for (const auto& [begin, end] : runs)
+      for (uint32_t x = begin; x < end; ++x) {
+        EXPECT_FALSE(std::isfinite(grid_.at(x, y)));
+        grid_.at(x, y) = row[x];
+      }
+    return {};
+  }
+  Status put(uint64_t at, std::span<const float> values) override {
+    EXPECT_LE(at + values.size(), coarser_.size());
+    std::ranges::copy(values, coarser_.begin() + static_cast<std::ptrdiff_t>(at));
+    return {};
+  }
+  Status get(uint64_t at, std::span<float> values) override {
+    std::copy_n(coarser_.begin() + static_cast<std::ptrdiff_t>(at), values.size(), values.begin());
+    return {};
+  }
+  int passes() const { return passes_; }
+
+ private:
+  Grid& grid_;
+  std::vector<float> coarser_;
+  int passes_ = 0;
+  uint32_t last_read_ = 0, rows_seen_ = 0, next_taken_ = 0;
+};
+
+TEST(Voids, TooManyRunsAreFilledWithoutTellingRegionsApart) {
+  Rng rng(test::randomSeed());
+  for (const bool tells_apart : {true, false})
+    for (uint64_t kind = 0; kind < 7; ++kind) {
+      Grid grid = groundWithVoids(rng, 150, 130, kind);
+      punch(grid, 100, 60, 150, 130);
+      PlainFill plain(grid, tells_apart);
+      WatchedGrid rows(grid);
+      RowFiller filler(rows, grid.width, grid.height, tells_apart ? RowFiller::kMaxRuns : 20);
+      ASSERT_TRUE(filler.look().ok());
+      EXPECT_EQ(rows.passes(), 1);
+      EXPECT_EQ(filler.report().regions, plain.regions);
+      ASSERT_TRUE(filler.fill().ok());
+      EXPECT_EQ(rows.passes(), plain.flat_regions > 0 ? 4 : 2);
+      EXPECT_EQ(grid.heights, plain.levels[0].values) << "voids of kind " << kind;
+    }
 }
 
 }  // namespace
