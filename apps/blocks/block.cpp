@@ -25,20 +25,20 @@ Status makeBlock(const apps::OpenedPlan& opened, const terrain::Blocks& blocks, 
              row = static_cast<uint32_t>(number / blocks.columns());
   const uint64_t id = opened.plan.ids[number];
   if (const auto kept = terrain::BlockFile::open(folder, blocks, column, row, id); kept && kept->points()) return {};
-  const auto heights = terrain::readWindow(*opened.source, blocks.withHalo(column, row));
+  const auto heights = terrain::readWindow(opened.source(), blocks.withHalo(column, row));
   if (!heights) return heights.error();
-  if (terrain::blockId(opened.plan, opened.source->info(), blocks, column, row, *heights) != id)
-    return Error{ErrorCode::kInvalidArgument, opened.source->info().title + ": block " + std::to_string(number) +
+  if (terrain::blockId(opened.plan, opened.source().info(), blocks, column, row, *heights) != id)
+    return Error{ErrorCode::kInvalidArgument, opened.source().info().title + ": block " + std::to_string(number) +
                                                   " has changed since " + plan.string() +
                                                   " was made; make the plan again with foreland plan"};
-  return terrain::writeBlock(folder, opened.plan, opened.source->info(), blocks, tables, column, row, id, *heights);
+  return terrain::writeBlock(folder, opened.plan, opened.source().info(), blocks, tables, column, row, id, *heights);
 }
 
 int run(const std::filesystem::path& plan, const std::vector<uint64_t>& numbers, const std::filesystem::path& folder) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (error) return fail({ErrorCode::kIo, folder.string() + ": cannot be made: " + error.message()});
-  const auto opened = apps::openPlan(plan, {folder / "block"});
+  const auto opened = apps::openPlan(plan, {folder / "block"}, apps::PlanUse::kHeights);
   if (!opened) return fail(opened.error());
   const auto grid = proto::GridTopology::create(opened->plan.shape);
   const terrain::Blocks blocks{*grid, opened->plan.block_log2};

@@ -23,11 +23,11 @@ int fail(const Error& error) {
 
 int merge(const std::filesystem::path& plan, const terrain::MergeOptions& options) {
   if (Status s = apps::checkOutput(options.output, "scene file"); !s.ok()) return fail(s.error());
-  const auto opened = apps::openPlan(plan, {options.output, options.blocks / "block"});
+  const auto opened = apps::openPlan(plan, {options.output, options.blocks / "block"}, apps::PlanUse::kInfo);
   if (!opened) return fail(opened.error());
   apps::ProgressLine line;
   const auto built =
-      terrain::mergeBlocks(*opened->source, opened->plan, options,
+      terrain::mergeBlocks(opened->source(), opened->plan, options,
                            {.report = [&](std::string_view stage, double done) { line.show(stage, done); },
                             .keepGoing = [] { return !apps::isStopRequested(); }});
   line.end();

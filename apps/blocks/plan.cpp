@@ -40,7 +40,8 @@ int plan(const Arguments& arguments, const std::vector<std::string>& words) {
   const auto made = terrain::planBlocks(**source,
                                         {.height_quantum_m = apps::chooseVerticalStep(elevation, (*source)->info()),
                                          .widen_quantum = !elevation.vertical_step_m,
-                                         .memory_bytes = uint64_t{arguments.memory_mib} << 20},
+                                         .memory_bytes = uint64_t{arguments.memory_mib} << 20,
+                                         .voids = apps::voidsBeside(arguments.output)},
                                         {.report = [&](std::string_view stage, double done) { line.show(stage, done); },
                                          .keepGoing = [] { return !apps::isStopRequested(); }});
   line.end();

@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "terrain/dem/open.h"
+#include "terrain/pipeline/void_fill.h"
 #include "terrain/store/file/checksum.h"
 #include "terrain/store/file/new_file.h"
 
@@ -83,7 +84,24 @@ Status checkSources(const std::filesystem::path& path, const Json& json) {
   return {};
 }
 
+// What voids are filled with; null if the plan has none.
+Result<std::shared_ptr<const terrain::VoidFill>> openVoids(const std::filesystem::path& path, const Json& json) {
+  const auto voids = json.find("voids");
+  if (voids == json.end()) return std::shared_ptr<const terrain::VoidFill>();
+  const auto file = path.parent_path() / std::filesystem::path(voids->at("file").get<std::string>()).filename();
+  auto fill = terrain::VoidFill::open(file, json.at("samples").at(0), json.at("samples").at(1));
+  if (!fill) return fill.error();
+  if (hex(fill->id()) != voids->at("content").get<std::string>())
+    return Error{ErrorCode::kInvalidArgument, file.string() + ": not what voids are filled with by " + path.string() +
+                                                  "; make the plan again with foreland plan"};
+  return std::make_shared<const terrain::VoidFill>(std::move(fill).value());
+}
+
 Status fill(const Json& json, terrain::BlockPlan& plan) {
+  if (const auto voids = json.find("voids"); voids != json.end()) {
+    plan.voids_filled = voids->at("samples");
+    plan.voids_note = voids->at("note");
+  }
   plan.range = {json.at("lowest"), json.at("highest")};
   plan.quantum_note = json.at("quantum_note");
   for (const Json& block : json.at("blocks"))
@@ -91,21 +109,29 @@ Status fill(const Json& json, terrain::BlockPlan& plan) {
   return {};
 }
 
-Result<OpenedPlan> open(const std::filesystem::path& path, const std::vector<std::filesystem::path>& outputs) {
+Result<OpenedPlan> open(const std::filesystem::path& path, const std::vector<std::filesystem::path>& outputs,
+                        PlanUse use) {
   const auto json = readJson(path);
   if (!json) return json.error();
   PlanArguments arguments;
   if (Status s = parseWords(json->at("arguments").get<std::vector<std::string>>(), arguments); !s.ok())
     return damaged(path, s.error().message);
   if (Status s = checkSources(path, *json); !s.ok()) return s.error();
+  // Foreign files may not read in the plan's folder, so this is opened before they are.
+  std::shared_ptr<const terrain::VoidFill> voids;
+  if (use == PlanUse::kHeights) {
+    auto found = openVoids(path, *json);
+    if (!found) return found.error();
+    voids = std::move(found).value();
+  }
   confineTo(arguments.foreign, filesOf(arguments.elevation), outputs);
   OpenedPlan opened;
   auto source = terrain::openElevation(arguments.elevation.inputs, arguments.elevation.open);
   if (!source) return source.error();
-  opened.source = std::move(source).value();
+  opened.input = std::move(source).value();
   const uint32_t block_log2 = json->at("block_log2");
   if (block_log2 < terrain::Blocks::kLeastLog2 || block_log2 > 12) return damaged(path, "block_log2");
-  auto plan = terrain::emptyPlan(*opened.source, json->at("height_quantum_m"), block_log2);
+  auto plan = terrain::emptyPlan(*opened.input, json->at("height_quantum_m"), block_log2);
   if (!plan) return plan.error();
   opened.plan = std::move(plan).value();
   if (Status s = fill(*json, opened.plan); !s.ok()) return s.error();
@@ -113,8 +139,10 @@ Result<OpenedPlan> open(const std::filesystem::path& path, const std::vector<std
   if (opened.plan.ids.size() != terrain::Blocks{*grid, block_log2}.count() ||
       hex(opened.plan.id()) != json->at("id").get<std::string>())
     return Error{ErrorCode::kInvalidArgument,
-                 path.string() + ": does not fit " + opened.source->info().title +
+                 path.string() + ": does not fit " + opened.input->info().title +
                      " as it is now, or was edited; make the plan again with foreland plan"};
+  opened.plan.voids = std::move(voids);
+  if (opened.plan.voids) opened.filled = std::make_unique<terrain::FilledSource>(*opened.input, *opened.plan.voids);
   return opened;
 }
 
@@ -156,8 +184,13 @@ Status writePlan(const std::filesystem::path& path, const std::vector<std::strin
             {"lowest", plan.range.lowest},
             {"highest", plan.range.highest},
             {"memory_mib", memoryOfBlock(plan)},
-            {"sources", Json::array()},
-            {"blocks", Json::array()}};
+            {"sources", Json::array()}};
+  if (plan.voids)
+    json["voids"] = {{"file", plan.voids->path().filename().string()},
+                     {"content", hex(plan.voids->id())},
+                     {"samples", plan.voids_filled},
+                     {"note", plan.voids_note}};
+  json["blocks"] = Json::array();
   for (const std::filesystem::path& file : filesOf(arguments.elevation)) {
     const auto source = describeSource(file);
     if (!source) return source.error();
@@ -171,9 +204,12 @@ Status writePlan(const std::filesystem::path& path, const std::vector<std::strin
   return file->finish();
 }
 
-Result<OpenedPlan> openPlan(const std::filesystem::path& path, const std::vector<std::filesystem::path>& outputs) {
+std::filesystem::path voidsBeside(const std::filesystem::path& plan) { return plan.string() + "."; }
+
+Result<OpenedPlan> openPlan(const std::filesystem::path& path, const std::vector<std::filesystem::path>& outputs,
+                            PlanUse use) {
   try {
-    return open(path, outputs);
+    return open(path, outputs, use);
   } catch (const std::exception& error) { return damaged(path, error.what()); }
 }
 

@@ -27,12 +27,21 @@ std::vector<std::string> plannedWords(const CLI::App& app);
 Status writePlan(const std::filesystem::path& path, const std::vector<std::string>& words,
                  const PlanArguments& arguments, const terrain::BlockPlan& plan);
 
+// What a plan's voids are filled with is in a file whose name begins with this.
+std::filesystem::path voidsBeside(const std::filesystem::path& plan);
+
+// Whether heights are read, or only what is known of them: the first needs what voids are filled with.
+enum class PlanUse : uint8_t { kHeights, kInfo };
+
 struct OpenedPlan {
   terrain::BlockPlan plan;
-  std::unique_ptr<terrain::ElevationSource> source;
+  std::unique_ptr<terrain::ElevationSource> input;
+  std::unique_ptr<terrain::ElevationSource> filled;  // the input without voids; null if it has none, or for kInfo
+  terrain::ElevationSource& source() const { return filled ? *filled : *input; }
 };
 // Opens a plan and its inputs, and confines the process to them and to the folders of `outputs`. An Error says what of
-// the plan is damaged, or which input is another one than it was.
-Result<OpenedPlan> openPlan(const std::filesystem::path& path, const std::vector<std::filesystem::path>& outputs);
+// the plan is damaged, or which file is another one than it was.
+Result<OpenedPlan> openPlan(const std::filesystem::path& path, const std::vector<std::filesystem::path>& outputs,
+                            PlanUse use);
 
 }  // namespace foreland::apps

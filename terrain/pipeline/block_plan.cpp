@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "base/check.h"
+#include "terrain/pipeline/make_void_fill.h"
 #include "terrain/pipeline/scene_parts.h"
 #include "terrain/store/file/checksum.h"
 #include "terrain/store/format.h"
@@ -47,13 +49,6 @@ struct Seen {
     lowest = std::min(lowest, h), highest = std::max(highest, h);
   }
 };
-
-Error noVoids(const std::string& title, uint64_t voids) {
-  return {ErrorCode::kUnsupported,
-          title + ": " + std::to_string(voids) +
-              " void samples, which only a build that has all heights in memory fills; give it "
-              "more --memory, or fill them first (gdal_fillnodata.py)"};
-}
 
 Status checkHeight(const std::string& title, float height_m, double quantum_m) {
   if (quantised(height_m, quantum_m)) return {};
@@ -152,26 +147,66 @@ Result<BlockPlan> emptyPlan(const ElevationSource& source, double height_quantum
   return plan;
 }
 
+namespace {
+
+// What a look at all samples finds, and whether it came to its end: it stops at a void.
+struct Look {
+  Seen seen;
+  std::vector<uint64_t> contents;  // by block
+};
+
+Result<Look> lookAt(ElevationSource& source, const Blocks& blocks, const PlanOptions& options, const Seen& seen,
+                    const Progress& progress) {
+  Look look{seen, std::vector<uint64_t>(blocks.count())};
+  progress.report("looking", 0);
+  const Status read =
+      forEachBlocks(source, blocks, options.memory_bytes,
+                    [&](uint32_t row, uint32_t first, uint32_t end, const HeightWindow& heights) -> Status {
+                      for (const float h : heights.metres) look.seen.add(h);
+                      if (look.seen.voids > 0) return stopped();
+                      for (uint32_t column = first; column < end; ++column)
+                        look.contents[uint64_t{row} * blocks.columns() + column] =
+                            contentId(source.info(), blocks.withHalo(column, row), heights);
+                      progress.report("looking", static_cast<double>(row + 1) / blocks.rows());
+                      return progress.keepGoing() ? Status() : Status(stopped());
+                    });
+  if (!read.ok() && look.seen.voids == 0) return read.error();
+  return look;
+}
+
+// Of a source with voids. The quantum is for its own heights, the range for all.
+Result<Look> fillAndLook(ElevationSource& source, const Blocks& blocks, const PlanOptions& options,
+                         const Progress& progress, BlockPlan& plan) {
+  CHECK_TRUE(!options.voids.empty());
+  Seen raw;
+  const auto see = [&](std::span<const float> row) {
+    for (const float h : row) raw.add(h);
+  };
+  auto made = makeVoidFill(source, options.voids, see, progress);
+  if (!made) return made.error();
+  plan.voids = made->fill;
+  plan.voids_filled = made->report.samples;
+  plan.voids_note = made->report.note;
+  FilledSource filled(source, *plan.voids);
+  auto look = lookAt(filled, blocks, options, {.fits = {}}, progress);
+  if (!look) return look;
+  if (look->seen.voids > 0) return changedWhileRead(source.info().title);
+  look->seen.fits = raw.fits;
+  return look;
+}
+
+}  // namespace
+
 Result<BlockPlan> planBlocks(ElevationSource& source, const PlanOptions& options, const Progress& progress) {
   const ElevationInfo& info = source.info();
   auto plan = emptyPlan(source, options.height_quantum_m, options.block_log2);
   if (!plan) return plan;
   const auto grid = proto::GridTopology::create(plan->shape);
   const Blocks blocks{*grid, options.block_log2};
-  Seen seen;
-  std::vector<uint64_t> contents(blocks.count());
-  progress.report("looking", 0);
-  const Status read = forEachBlocks(
-      source, blocks, options.memory_bytes,
-      [&](uint32_t row, uint32_t first, uint32_t end, const HeightWindow& heights) -> Status {
-        for (const float h : heights.metres) seen.add(h);
-        if (seen.voids > 0) return noVoids(info.title, seen.voids);
-        for (uint32_t column = first; column < end; ++column)
-          contents[uint64_t{row} * blocks.columns() + column] = contentId(info, blocks.withHalo(column, row), heights);
-        progress.report("looking", static_cast<double>(row + 1) / blocks.rows());
-        return progress.keepGoing() ? Status() : Status(stopped());
-      });
-  if (!read.ok()) return read.error();
+  auto look = lookAt(source, blocks, options, {}, progress);
+  if (look && look->seen.voids > 0) look = fillAndLook(source, blocks, options, progress, *plan);
+  if (!look) return look.error();
+  const Seen& seen = look->seen;
   chooseQuantum(seen, options, *plan);
   const double quantum_m = plan->frame.height_quantum_m;
   for (const float h : {seen.lowest, seen.highest})
@@ -180,7 +215,7 @@ Result<BlockPlan> planBlocks(ElevationSource& source, const PlanOptions& options
   const uint64_t common = commonId(*plan);
   for (uint32_t row = 0; row < blocks.rows(); ++row)
     for (uint32_t column = 0; column < blocks.columns(); ++column)
-      plan->ids.push_back(blockIdOf(common, column, row, contents[plan->ids.size()]));
+      plan->ids.push_back(blockIdOf(common, column, row, look->contents[plan->ids.size()]));
   return plan;
 }
 

@@ -1,8 +1,10 @@
 // What has to be known of all of an elevation source before its blocks (terrain/bounds/block_bounds.h) can be made
-// apart: found by one look at all of its samples, window by window. One caller.
+// apart: found by looks at all of its samples, window by window; one, and three where there are voids. One caller.
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -10,6 +12,7 @@
 #include "terrain/bounds/block_bounds.h"
 #include "terrain/elevation_source.h"
 #include "terrain/pipeline/build.h"
+#include "terrain/pipeline/void_fill.h"
 
 namespace foreland::terrain {
 
@@ -20,6 +23,10 @@ struct BlockPlan {
   HeightRange range{};
   std::string quantum_note{};   // empty if the quantum was not widened
   std::vector<uint64_t> ids{};  // of blocks, row by row: of all that a block follows from
+  // Blocks are of the source with its voids filled (FilledSource); null if it has none.
+  std::shared_ptr<const VoidFill> voids{};
+  uint64_t voids_filled = 0;
+  std::string voids_note{};
 
   uint64_t id() const;  // of the plan
 };
@@ -29,9 +36,11 @@ struct PlanOptions {
   bool widen_quantum = false;  // as BuildOptions has it
   uint64_t memory_bytes = 1ull << 30;
   uint32_t block_log2 = 10;
+  // What voids are filled with is kept in a file: this, its id and ".voids" are its name. It stays.
+  std::filesystem::path voids{};
 };
 
-// An Error: what blocks cannot make. Voids are, by now.
+// An Error: what blocks cannot make.
 [[nodiscard]] Result<BlockPlan> planBlocks(ElevationSource& source, const PlanOptions& options,
                                            const Progress& progress = {});
 

@@ -72,8 +72,7 @@ Status readAll(ElevationSource& source, HeightRaster& raster, const Progress& pr
 
 Status fill(HeightRaster& raster, const ElevationInfo& info, SceneOrigin& origin) {
   const VoidReport voids = fillVoids(raster.metres(), info.width, info.height);
-  if (voids.all_void)
-    return Error{ErrorCode::kMalformed, info.title + ": holds no data, only voids; check the file and --nodata"};
+  if (voids.all_void) return onlyVoids(info.title);
   origin.voids_filled = info.voids_filled + voids.samples;
   if (!voids.note.empty()) origin.notes.push_back(voids.note);
   return {};

@@ -1,9 +1,12 @@
 #include "terrain/pipeline/build_by_blocks.h"
 
+#include <optional>
+
 #include "terrain/parallel.h"
 #include "terrain/pipeline/block_file.h"
 #include "terrain/pipeline/merge_blocks.h"
 #include "terrain/pipeline/scene_parts.h"
+#include "terrain/pipeline/void_fill.h"
 
 namespace foreland::terrain {
 
@@ -29,17 +32,25 @@ Status makeBlocks(const BlockPlan& plan, const ElevationInfo& info, const Blocks
 
 }  // namespace
 
-Result<BuildReport> buildByBlocks(ElevationSource& source, const WindowedOptions& options, const Progress& progress) {
-  const auto plan = planBlocks(source, options.plan, progress);
-  if (!plan) return plan.error();
-  const auto grid = proto::GridTopology::create(plan->shape);
-  const Blocks blocks{*grid, plan->block_log2};
+Result<BuildReport> buildByBlocks(ElevationSource& input, const WindowedOptions& options, const Progress& progress) {
   std::filesystem::path folder = options.output;
   folder += ".blocks";
   std::error_code error;
   std::filesystem::create_directory(folder, error);
   if (error)
     return Error{ErrorCode::kIo, folder.string() + ": cannot make the folder that blocks wait in: " + error.message()};
+  PlanOptions planning = options.plan;
+  planning.voids = folder / "";
+  const auto plan = planBlocks(input, planning, progress);
+  if (!plan) {
+    std::filesystem::remove(folder, error);  // unless something is in it
+    return plan.error();
+  }
+  const auto grid = proto::GridTopology::create(plan->shape);
+  const Blocks blocks{*grid, plan->block_log2};
+  std::optional<FilledSource> filled;
+  if (plan->voids) filled.emplace(input, *plan->voids);
+  ElevationSource& source = filled ? *filled : input;
   progress.report("bounding", 0);
   const Status made = forEachBlocks(
       source, blocks, options.plan.memory_bytes,
@@ -47,7 +58,7 @@ Result<BuildReport> buildByBlocks(ElevationSource& source, const WindowedOptions
         for (uint32_t column = first; column < end; ++column)
           if (blockId(*plan, source.info(), blocks, column, row, heights) !=
               plan->ids[uint64_t{row} * blocks.columns() + column])
-            return Error{ErrorCode::kIo, source.info().title + ": changed while it was read; build again"};
+            return changedWhileRead(source.info().title);
         if (Status s = makeBlocks(*plan, source.info(), blocks, folder, row, first, end, heights, options.threads);
             !s.ok())
           return s;

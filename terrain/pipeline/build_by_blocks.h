@@ -11,7 +11,7 @@
 namespace foreland::terrain {
 
 struct WindowedOptions {
-  PlanOptions plan;
+  PlanOptions plan;  // its voids wait with the blocks
   std::filesystem::path output;
   unsigned threads = 0;
 };

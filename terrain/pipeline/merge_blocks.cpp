@@ -71,9 +71,12 @@ class Merge {
     auto tiles = TileSection::create(options_.output);
     if (!tiles) return tiles.error();
     if (Status s = addRelief(*tiles); !s.ok()) return s.error();
-    SceneOrigin origin{
-        .title = info_.title, .crs_wkt = info_.crs_wkt, .notes = info_.notes, .voids_filled = info_.voids_filled};
-    if (!plan_.quantum_note.empty()) origin.notes.push_back(plan_.quantum_note);
+    SceneOrigin origin{.title = info_.title,
+                       .crs_wkt = info_.crs_wkt,
+                       .notes = info_.notes,
+                       .voids_filled = info_.voids_filled + plan_.voids_filled};
+    for (const std::string& note : {plan_.quantum_note, plan_.voids_note})
+      if (!note.empty()) origin.notes.push_back(note);
     auto writer = SceneWriter::create(options_.output,
                                       {.shape = grid_.shape(),
                                        .frame = plan_.frame,

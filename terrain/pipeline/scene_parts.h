@@ -15,6 +15,14 @@ namespace foreland::terrain {
 
 inline Error stopped() { return {ErrorCode::kIo, "stopped before the scene was complete; nothing was written"}; }
 
+inline Error onlyVoids(const std::string& title) {
+  return {ErrorCode::kMalformed, title + ": holds no data, only voids; check the file and --nodata"};
+}
+
+inline Error changedWhileRead(const std::string& title) {
+  return {ErrorCode::kIo, title + ": changed while it was read; build again"};
+}
+
 // Padding not counted.
 inline uint64_t nodeCount(const proto::GridTopology& grid) {
   const proto::GridShape& s = grid.shape();

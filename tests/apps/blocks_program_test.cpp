@@ -20,13 +20,23 @@ class BlocksProgram : public testing::Test {
   static constexpr int kWidth = 1100, kHeight = 530;  // two blocks
 
   void SetUp() override { writeHills(0); }
-  void writeHills(double more) const {
+  enum class Lake : uint8_t { kNone, kVoid };
+  void writeHills(double more, Lake lake = Lake::kNone) const {
     std::ofstream grid(input());
-    grid << "ncols " << kWidth << "\nnrows " << kHeight << "\nxllcorner 0\nyllcorner 0\ncellsize 10\n";
+    grid << "ncols " << kWidth << "\nnrows " << kHeight
+         << "\nxllcorner 0\nyllcorner 0\ncellsize 10\nNODATA_value -9999\n";
     for (int y = 0; y < kHeight; ++y)
       for (int x = 0; x < kWidth; ++x)
-        grid << 500 + std::round(100 * std::sin(0.1 * x) * std::cos(0.13 * y)) + (x > 1060 ? more : 0)
+        grid << (lake == Lake::kVoid && std::hypot(x - 900, y - 200) < 60
+                     ? -9999
+                     : 500 + std::round(100 * std::sin(0.1 * x) * std::cos(0.13 * y)) + (x > 1060 ? more : 0))
              << (x == kWidth - 1 ? '\n' : ' ');
+  }
+  // What the voids of the plan are filled with; empty if there is no such file.
+  std::string voids() const {
+    for (const auto& entry : fs::directory_iterator(folder_.path()))
+      if (entry.path().extension() == ".voids") return entry.path();
+    return {};
   }
   std::string input() const { return folder_ / "hills.asc"; }
   std::string plan() const { return folder_ / "plan.json"; }
@@ -81,6 +91,50 @@ TEST_F(BlocksProgram, AChangedInputNeedsANewPlanAndOnlyItsBlocks) {
   succeed("merge", {plan(), blocks(), "-o", scene()});
   succeed("build", {input(), "--frame", "planar", "-o", folder_ / "whole.fls"});
   EXPECT_TRUE(slurp(scene()) == slurp(folder_ / "whole.fls"));
+}
+
+TEST_F(BlocksProgram, FillVoidsAsBuildDoes) {
+  writeHills(0, Lake::kVoid);
+  makePlan();
+  ASSERT_FALSE(voids().empty());
+  EXPECT_EQ(fs::path(voids()).filename().string().find("plan.json."), 0u);
+  for (const char* number : {"1", "0"}) succeed("block", {plan(), number, "-o", blocks()});
+  EXPECT_EQ(filesIn(blocks()), 2u);
+  succeed("merge", {plan(), blocks(), "-o", scene()});
+  succeed("build", {input(), "--frame", "planar", "-o", folder_ / "whole.fls"});
+  succeed("build", {input(), "--frame", "planar", "--memory", "1", "-o", folder_ / "windowed.fls"});
+  EXPECT_TRUE(slurp(scene()) == slurp(folder_ / "whole.fls"));
+  EXPECT_TRUE(slurp(scene()) == slurp(folder_ / "windowed.fls"));
+  EXPECT_FALSE(fs::exists(folder_ / "windowed.fls.blocks"));
+}
+
+TEST_F(BlocksProgram, ABlockNeedsWhatItsVoidsAreFilledWith) {
+  writeHills(0, Lake::kVoid);
+  makePlan();
+  const std::string fill = voids();
+  const std::vector<char> sound = slurp(fill);
+  std::vector<char> damaged = sound;
+  damaged[damaged.size() - 100] ^= 1;
+  spit(fill, damaged);
+  expectRefusal("block", {plan(), "0", "1", "-o", blocks()}, {fill, "damaged", "foreland plan"});
+  fs::rename(fill, folder_ / "away");
+  expectRefusal("block", {plan(), "0", "-o", blocks()}, {fill, "No such file", "make the plan again"});
+  writeHills(3, Lake::kVoid);
+  makePlan();
+  fs::copy_file(voids(), folder_ / "another");
+  fs::remove(voids());
+  writeHills(0, Lake::kVoid);
+  makePlan();
+  EXPECT_EQ(voids(), fill);
+  EXPECT_TRUE(slurp(fill) == sound);
+  fs::copy_file(folder_ / "another", fill, fs::copy_options::overwrite_existing);
+  expectRefusal("block", {plan(), "0", "-o", blocks()}, {fill, "plan.json", "make the plan again"});
+  EXPECT_EQ(filesIn(blocks()), 0u);
+  makePlan();  // makes another one its own
+  EXPECT_TRUE(slurp(fill) == sound);
+  writeHills(3, Lake::kVoid);
+  expectRefusal("block", {plan(), "0", "-o", blocks()}, {"hills.asc", "foreland plan"});
+  EXPECT_EQ(filesIn(blocks()), 0u);
 }
 
 TEST_F(BlocksProgram, NameWhatIsWrongAndTheWayOut) {

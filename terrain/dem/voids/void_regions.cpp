@@ -1,7 +1,7 @@
 #include "terrain/dem/voids/void_regions.h"
 
 #include <algorithm>
-#include <cmath>
+#include <utility>
 
 #include "base/check.h"
 
@@ -48,31 +48,36 @@ void nameRegions(std::vector<uint32_t>& parent, VoidRegions& found) {
 
 }  // namespace
 
+void RegionFinder::add(std::span<const float> row) {
+  const uint32_t y = rows_++;
+  if (too_many_) return;
+  const size_t here = found_.runs.size();
+  forEachVoidRun(row, [&](uint32_t begin, uint32_t end) {
+    parent_.push_back(static_cast<uint32_t>(found_.runs.size()));
+    found_.runs.push_back({.row = y, .begin = begin, .end = end});
+  });
+  if (found_.runs.size() > max_runs_) {
+    too_many_ = true;
+    found_ = {};
+    parent_ = {};
+    return;
+  }
+  uniteRows(parent_, found_.runs, before_, here);
+  before_ = here;
+}
+
+std::optional<VoidRegions> RegionFinder::finish() {
+  if (too_many_) return std::nullopt;
+  nameRegions(parent_, found_);
+  parent_ = {};
+  return std::move(found_);
+}
+
 std::optional<VoidRegions> findVoidRegions(std::span<const float> heights, uint32_t width, uint32_t height,
                                            size_t max_runs) {
-  VoidRegions found;
-  std::vector<uint32_t> parent;
-  size_t before = 0;
-  for (uint32_t y = 0; y < height; ++y) {
-    const float* row = heights.data() + size_t{y} * width;
-    const size_t here = found.runs.size();
-    for (uint32_t x = 0; x < width;) {
-      if (std::isfinite(row[x])) {
-        ++x;
-        continue;
-      }
-      uint32_t end = x;
-      while (end < width && !std::isfinite(row[end])) ++end;
-      parent.push_back(static_cast<uint32_t>(found.runs.size()));
-      found.runs.push_back({.row = y, .begin = x, .end = end});
-      x = end;
-    }
-    if (found.runs.size() > max_runs) return std::nullopt;
-    uniteRows(parent, found.runs, before, here);
-    before = here;
-  }
-  nameRegions(parent, found);
-  return found;
+  RegionFinder finder(max_runs);
+  for (uint32_t y = 0; y < height; ++y) finder.add(heights.subspan(size_t{y} * width, width));
+  return finder.finish();
 }
 
 uint32_t VoidRegions::regionAt(uint32_t x, uint32_t y) const {
@@ -84,28 +89,6 @@ uint32_t VoidRegions::regionAt(uint32_t x, uint32_t y) const {
   const VoidRun& run = *std::prev(after);
   CHECK_TRUE(run.row == y && x < run.end);
   return run.region;
-}
-
-float lowRim(std::span<const float> heights, uint32_t width, uint32_t height, const VoidRegions& found,
-             uint32_t region) {
-  std::vector<float> rim;
-  const auto add = [&](uint32_t x, uint32_t y) {
-    const float h = heights[size_t{y} * width + x];
-    if (std::isfinite(h)) rim.push_back(h);
-  };
-  for (const VoidRun& run : found.runs) {
-    if (run.region != region) continue;
-    if (run.begin > 0) add(run.begin - 1, run.row);
-    if (run.end < width) add(run.end, run.row);
-    for (uint32_t x = run.begin; x < run.end; ++x) {
-      if (run.row > 0) add(x, run.row - 1);
-      if (run.row + 1 < height) add(x, run.row + 1);
-    }
-  }
-  if (rim.empty()) return 0;
-  const auto tenth = rim.begin() + static_cast<std::ptrdiff_t>(rim.size() / 10);
-  std::nth_element(rim.begin(), tenth, rim.end());
-  return *tenth;
 }
 
 }  // namespace foreland::terrain

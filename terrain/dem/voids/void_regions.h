@@ -2,6 +2,8 @@
 // runs.
 #pragma once
 
+#include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -27,13 +29,39 @@ struct VoidRegions {
   uint32_t regionAt(uint32_t x, uint32_t y) const;
 };
 
-// Empty if there are more runs than `max_runs`.
+// Calls visit(begin, end) for the runs of voids of a row, from west to east.
+template <class Visit>
+void forEachVoidRun(std::span<const float> row, const Visit& visit) {
+  for (uint32_t x = 0; x < row.size();) {
+    if (std::isfinite(row[x])) {
+      ++x;
+      continue;
+    }
+    uint32_t end = x;
+    while (end < row.size() && !std::isfinite(row[end])) ++end;
+    visit(x, end);
+    x = end;
+  }
+}
+
+// Finds regions in rows that come one after the other, from row 0 on.
+class RegionFinder {
+ public:
+  explicit RegionFinder(size_t max_runs) : max_runs_(max_runs) {}
+  void add(std::span<const float> row);
+  // Empty if there are more runs than `max_runs`. To be called once, after the last row.
+  std::optional<VoidRegions> finish();
+
+ private:
+  size_t max_runs_;
+  uint32_t rows_ = 0;
+  size_t before_ = 0;  // the first run of the row before
+  bool too_many_ = false;
+  VoidRegions found_;
+  std::vector<uint32_t> parent_;
+};
+
 std::optional<VoidRegions> findVoidRegions(std::span<const float> heights, uint32_t width, uint32_t height,
                                            size_t max_runs);
-
-// Tenth percentile of the finite heights beside a region's samples, 0 if there are none. Cost: linear in the runs of
-// all regions.
-float lowRim(std::span<const float> heights, uint32_t width, uint32_t height, const VoidRegions& found,
-             uint32_t region);
 
 }  // namespace foreland::terrain

@@ -10,19 +10,10 @@
 
 #include <cstdint>
 #include <span>
-#include <string>
+
+#include "terrain/dem/voids/row_filler.h"
 
 namespace foreland::terrain {
-
-struct VoidReport {
-  uint64_t total = 0;           // samples of the grid
-  uint64_t samples = 0;         // voids filled
-  uint64_t regions = 0;         // connected regions of voids (4-neighbours); 0 if there were too many to tell apart
-  uint64_t largest_region = 0;  // samples of the largest one
-  uint64_t flat_regions = 0;    // of these, filled flat
-  bool all_void = false;        // there was no data to fill from; heights are unchanged
-  std::string note{};           // a sentence for people; empty if there were no voids
-};
 
 // `heights` holds height rows of width samples; a sample that is not finite is a void. Afterwards none is left, unless
 // all_void.

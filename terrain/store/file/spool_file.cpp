@@ -46,10 +46,16 @@ SpoolFile::~SpoolFile() {
 
 Result<uint64_t> SpoolFile::append(ByteSpan what) {
   const uint64_t offset = end_.fetch_add(what.size());
+  if (Status s = put(offset, what); !s.ok()) return s.error();
+  return offset;
+}
+
+Status SpoolFile::put(uint64_t offset, ByteSpan what) {
+  const uint64_t end = offset + what.size();
+  for (uint64_t before = end_; before < end && !end_.compare_exchange_weak(before, end);) {}
   // Writing beyond a file size limit would raise a signal instead of returning an error.
   rlimit limit{};
-  if (::getrlimit(RLIMIT_FSIZE, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY &&
-      offset + what.size() > limit.rlim_cur) {
+  if (::getrlimit(RLIMIT_FSIZE, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY && end > limit.rlim_cur) {
     errno = EFBIG;
     return systemError("cannot write");
   }
@@ -59,7 +65,7 @@ Result<uint64_t> SpoolFile::append(ByteSpan what) {
     if (n <= 0) return systemError("cannot write");
     done += static_cast<size_t>(n);
   }
-  return offset;
+  return {};
 }
 
 Status SpoolFile::read(uint64_t offset, std::span<uint8_t> out) const {

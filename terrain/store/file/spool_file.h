@@ -1,5 +1,5 @@
 // A file without a name that grows while something is made whose size is not known before; it is gone when its owner
-// is. Threads: append() and read() may be called by several at once.
+// is. Threads: append(), put() and read() may be called by several at once.
 #pragma once
 
 #include <atomic>
@@ -26,7 +26,9 @@ class SpoolFile {
 
   // Returns the offset that read() takes.
   Result<uint64_t> append(ByteSpan what);
-  // Fills `out`, all of which must have been appended.
+  // Writes at an offset of the caller's choice, also over what is there.
+  Status put(uint64_t offset, ByteSpan what);
+  // Fills `out`, all of which must have been written.
   Status read(uint64_t offset, std::span<uint8_t> out) const;
   uint64_t bytes() const { return end_; }
 

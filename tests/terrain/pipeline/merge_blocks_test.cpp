@@ -4,12 +4,14 @@
 
 #include <cmath>
 #include <numeric>
+#include <optional>
 #include <tuple>
 #include <vector>
 
 #include "terrain/pipeline/block_file.h"
 #include "terrain/pipeline/build.h"
 #include "terrain/pipeline/build_by_blocks.h"
+#include "terrain/pipeline/void_fill.h"
 #include "terrain/store/verify.h"
 #include "tests/support/files.h"
 #include "tests/support/scene.h"
@@ -28,18 +30,46 @@ test::FormulaSource sourceOf(uint32_t width, uint32_t height, FrameKind kind, ui
   return source;
 }
 
+// A source with voids of a kind: specks, a lake, a part of the border, a large part, rows, and all of these.
+test::FormulaSource sourceWithVoids(uint32_t width, uint32_t height, FrameKind kind, uint64_t voids, uint64_t seed,
+                                    double step_m = 0) {
+  const auto isVoid = [=](uint32_t x, uint32_t y) {
+    const auto has = [&](uint64_t of) { return voids == of || voids == 5; };
+    return (has(0) && Rng(seed ^ (uint64_t{y} << 32 | x)).below(40) == 0) ||
+           (has(1) && std::hypot(x - 0.6 * width, y - 0.4 * height) < 0.05 * width + 9 * std::sin(0.2 * x)) ||
+           (has(2) && x + 3.0 * std::cos(0.05 * y) < 20) ||
+           (has(3) && y > 0.7 * height + 40 * std::sin(0.01 * x) && x % 97 != 0) || (has(4) && y % 256 < 2);
+  };
+  test::FormulaSource source = sourceOf(width, height, kind, seed);
+  const auto ground = test::hills(seed);
+  test::FormulaSource holed(
+      width, height,
+      [=](uint32_t x, uint32_t y) {
+        const double h = ground(x, y);
+        return isVoid(x, y) ? std::nan("") : step_m > 0 ? step_m * std::round(h / step_m) : h;
+      },
+      kind);
+  holed.info() = source.info();
+  holed.info().voids_filled = 3;  // by the source
+  return holed;
+}
+
 struct Sharded {
+  test::TemporaryFolder voids;
   BlockPlan plan;
   proto::GridTopology grid;
   Blocks blocks;
   proto::GeographicTables tables;
   Sharded(ElevationSource& source, uint32_t block_log2)
-      : plan(planBlocks(source, {.block_log2 = block_log2}).value()),
+      : plan(planBlocks(source, {.block_log2 = block_log2, .voids = voids / "plan."}).value()),
         grid(proto::GridTopology::create(plan.shape).value()),
         blocks{grid, block_log2},
         tables(proto::FrameTransform(plan.frame), grid.maxX(), grid.maxY()) {}
 
-  Status make(ElevationSource& source, const std::filesystem::path& folder, uint64_t number) const {
+  Status make(ElevationSource& input, const std::filesystem::path& folder, uint64_t number) const {
+    std::optional<FilledSource> filled;
+    if (plan.voids) filled.emplace(input, *plan.voids);
+    ElevationSource& source = filled ? *filled : input;
     const auto column = static_cast<uint32_t>(number % blocks.columns()),
                row = static_cast<uint32_t>(number / blocks.columns());
     const auto heights = readWindow(source, blocks.withHalo(column, row));
@@ -70,6 +100,39 @@ TEST(MergeBlocks, GivesTheBytesThatABuildAtOnceGives) {
       EXPECT_TRUE(test::slurp(folder / "merged.fls") == whole) << width << " x " << height << " by 2^" << log2;
     }
   }
+}
+
+TEST(MergeBlocks, FillVoidsAsABuildAtOnceDoes) {
+  Rng rng(test::randomSeed());
+  for (uint64_t voids = 0; voids < 6; ++voids) {
+    const test::TemporaryFolder folder;
+    const FrameKind kind = voids % 2 ? FrameKind::kGeographic : FrameKind::kPlanar;
+    test::FormulaSource source = sourceWithVoids(static_cast<uint32_t>(600 + rng.below(700)),
+                                                 static_cast<uint32_t>(600 + rng.below(700)), kind, voids, rng.next());
+    ASSERT_TRUE(buildScene(source, {.output = folder / "whole.fls"}).ok());
+    const Sharded sharded(source, 9);
+    ASSERT_NE(sharded.plan.voids, nullptr);
+    for (uint64_t i = sharded.blocks.count(); i > 0; --i) ASSERT_TRUE(sharded.make(source, folder.path(), i - 1).ok());
+    const auto merged = mergeBlocks(source, sharded.plan, {folder.path(), folder / "merged.fls"});
+    ASSERT_TRUE(merged.ok()) << merged.error().message;
+    EXPECT_TRUE(test::slurp(folder / "merged.fls") == test::slurp(folder / "whole.fls")) << "voids of kind " << voids;
+  }
+}
+
+// The quantum is one for the heights that there are, whatever voids are filled with; it and voids are noted.
+TEST(MergeBlocks, FilledVoidsDoNotNarrowTheQuantum) {
+  const test::TemporaryFolder folder;
+  test::FormulaSource source = sourceWithVoids(700, 900, FrameKind::kPlanar, 5, 3, 0.5);
+  const auto whole = buildScene(source, {.output = folder / "whole.fls", .widen_quantum = true});
+  ASSERT_TRUE(whole.ok());
+  EXPECT_EQ(whole->height_quantum_m, 0.5);
+  const auto built =
+      buildByBlocks(source, {.plan = {.widen_quantum = true, .block_log2 = 9}, .output = folder / "a.fls"});
+  ASSERT_TRUE(built.ok()) << built.error().message;
+  EXPECT_EQ(built->notes, whole->notes);
+  EXPECT_EQ(built->voids_filled, whole->voids_filled);
+  EXPECT_TRUE(test::slurp(folder / "a.fls") == test::slurp(folder / "whole.fls"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "a.fls.blocks"));
 }
 
 TEST(MergeBlocks, WindowsOfAnySizeGiveTheSameBytesAndLeaveNothing) {
@@ -107,6 +170,39 @@ TEST(MergeBlocks, AStoppedBuildGoesOn) {
   EXPECT_TRUE(is_kept);
   ASSERT_TRUE(buildScene(source, {.output = folder / "whole.fls"}).ok());
   EXPECT_TRUE(test::slurp(folder / "a.fls") == test::slurp(folder / "whole.fls"));
+}
+
+// A build that stops when its voids are filled does not fill them again, unless what is kept of it is damaged.
+TEST(MergeBlocks, AStoppedBuildKeepsWhatVoidsAreFilledWith) {
+  const test::TemporaryFolder folder;
+  test::FormulaSource source = sourceWithVoids(700, 900, FrameKind::kPlanar, 5, 4);
+  ASSERT_TRUE(buildScene(source, {.output = folder / "whole.fls"}).ok());
+  for (const bool is_damaged : {false, true}) {
+    const WindowedOptions options{.plan = {.block_log2 = 9}, .output = folder / "a.fls"};
+    bool is_filled = false;
+    ASSERT_FALSE(buildByBlocks(source, options,
+                               {.report = [&](std::string_view stage, double) { is_filled |= stage == "bounding"; },
+                                .keepGoing = [&] { return !is_filled; }})
+                     .ok());
+    std::filesystem::path fill;
+    for (const auto& entry : std::filesystem::directory_iterator(folder / "a.fls.blocks"))
+      if (entry.path().extension() == ".voids") fill = entry.path();
+    ASSERT_FALSE(fill.empty());
+    if (is_damaged) {
+      std::vector<char> bytes = test::slurp(fill);
+      bytes[bytes.size() / 2] ^= 1;
+      test::spit(fill, bytes);
+    }
+    const auto before = std::filesystem::last_write_time(fill);
+    bool is_kept = false;
+    const auto built = buildByBlocks(source, options, {.report = [&](std::string_view stage, double) {
+                                       if (stage == "merging")
+                                         is_kept = std::filesystem::last_write_time(fill) == before;
+                                     }});
+    ASSERT_TRUE(built.ok()) << built.error().message;
+    EXPECT_NE(is_kept, is_damaged);
+    EXPECT_TRUE(test::slurp(folder / "a.fls") == test::slurp(folder / "whole.fls"));
+  }
 }
 
 // One sample that changes, changes the ids of the blocks whose halos hold it, and no others.
@@ -151,8 +247,11 @@ TEST(MergeBlocks, NamesTheBlockThatIsMissingDamagedOrAnother) {
 TEST(MergeBlocks, RefusesWhatBlocksCannotMake) {
   test::FormulaSource small(40, 40, test::hills(1));
   EXPECT_NE(planBlocks(small, {}).error().message.find("at once"), std::string::npos);
-  test::FormulaSource voids(1000, 1000, [](uint32_t x, uint32_t y) { return x == 700 && y == 3 ? std::nan("") : 1.0; });
-  EXPECT_NE(planBlocks(voids, {}).error().message.find("void"), std::string::npos);
+  const test::TemporaryFolder folder;
+  test::FormulaSource voids(1000, 1000, [](uint32_t, uint32_t) { return std::nan(""); });
+  const auto by_blocks = buildByBlocks(voids, {.plan = {}, .output = folder / "a.fls"});
+  EXPECT_EQ(by_blocks.error().message, buildScene(voids, {.output = folder / "a.fls"}).error().message);
+  EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
   test::FormulaSource tall(1000, 1000, [](uint32_t x, uint32_t) { return x == 4 ? 3e38 : 0.0; });
   EXPECT_EQ(planBlocks(tall, {}).error().code, ErrorCode::kLimit);
 }
