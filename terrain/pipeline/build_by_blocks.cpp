@@ -55,7 +55,7 @@ Result<BuildReport> buildByBlocks(ElevationSource& source, const WindowedOptions
         return progress.keepGoing() ? Status() : Status(stopped());
       });
   if (!made.ok()) return made.error();
-  auto built = mergeBlocks(source, *plan, {folder, options.output, options.threads}, progress);
+  auto built = mergeBlocks(source, *plan, {folder, options.output, options.threads, options.additions}, progress);
   if (built) std::filesystem::remove_all(folder, error);
   return built;
 }

@@ -12,8 +12,10 @@
 #include "terrain/pipeline/build_by_blocks.h"
 #include "terrain/store/verify.h"
 #include "tests/support/files.h"
+#include "tests/support/formula_picture.h"
 #include "tests/support/scene.h"
 #include "tests/support/seed.h"
+#include "tests/support/surface_file.h"
 
 namespace foreland::terrain {
 namespace {
@@ -70,6 +72,87 @@ TEST(MergeBlocks, GivesTheBytesThatABuildAtOnceGives) {
       EXPECT_TRUE(test::slurp(folder / "merged.fls") == whole) << width << " x " << height << " by 2^" << log2;
     }
   }
+}
+
+// At lattice positions, as `foreland build` takes objects.
+std::vector<ObjectRequest> objectsAt(const std::string& model, const proto::Frame& frame,
+                                     const std::vector<glm::dvec2>& places) {
+  const proto::FrameTransform transform(frame);
+  std::vector<ObjectRequest> requests;
+  for (const glm::dvec2& place : places) {
+    const auto point = transform.toScene(proto::LatticePosition{place.x, place.y, 0});
+    glm::dvec2 at = frame.map_origin_m + glm::dvec2(point);
+    if (frame.kind == FrameKind::kGeographic) {
+      const proto::Geodetic g = transform.toGeodetic(point);
+      at = glm::dvec2(g.latitude_rad, g.longitude_rad) * 57.29577951308232;
+    }
+    requests.push_back({model, at, 1, 30, 2});
+  }
+  return requests;
+}
+
+Rgba stripes(double x, double y) {
+  const auto wave = [](double phase) { return static_cast<uint8_t>(std::lround(128 + 80 * std::sin(phase))); };
+  return {wave(x * 0.9), wave(y * 0.11), wave((x + y) * 0.05), static_cast<uint8_t>(x > 1000 ? 0 : 255)};
+}
+
+// The law again, with all that a scene has beside its ground, one by one and together.
+TEST(MergeBlocks, TakesWhatABuildAtOnceTakes) {
+  const test::TemporaryFolder folder;
+  const std::string model = folder / "sphere.fls";
+  test::writeSphere(model);
+  for (const auto& [width, height, kind] :
+       {std::tuple{1100u, 700u, FrameKind::kPlanar}, {1025u, 1030u, FrameKind::kGeographic}}) {
+    test::FormulaSource source = sourceOf(width, height, kind);
+    const auto objects =
+        objectsAt(model, source.info().frame, {{511.5, 511.25}, {512, 3.75}, {width - 1.001, height - 1.001}});
+    for (const auto& [coding, has_objects, texel] : {std::tuple{PageCoding::kCoded, false, 0.0},
+                                                     {PageCoding::kPlain, true, 0.0},
+                                                     {PageCoding::kPlain, false, 0.5},
+                                                     {PageCoding::kCoded, true, 1.0},
+                                                     {PageCoding::kCoded, true, 4.0}}) {
+      test::FormulaPicture picture(width, height, texel > 0 ? texel : 1, stripes);
+      BuildOptions at_once{.output = folder / "whole.fls", .threads = 2, .page_coding = coding};
+      if (has_objects) at_once.objects = objects;
+      if (texel > 0) at_once.picture = &picture, at_once.imagery_quality = 60, at_once.attribution = "me";
+      const auto whole = buildScene(source, at_once);
+      ASSERT_TRUE(whole.ok()) << whole.error().message;
+      for (const auto& [log2, threads] : {std::pair{9u, 1u}, {10u, 3u}}) {
+        const auto built = buildByBlocks(source, {.plan = {.block_log2 = log2},
+                                                  .output = folder / "blocks.fls",
+                                                  .threads = threads,
+                                                  .additions = {.page_coding = coding,
+                                                                .objects = at_once.objects,
+                                                                .picture = at_once.picture,
+                                                                .imagery_quality = at_once.imagery_quality,
+                                                                .attribution = at_once.attribution}});
+        ASSERT_TRUE(built.ok()) << built.error().message;
+        EXPECT_TRUE(test::slurp(folder / "blocks.fls") == test::slurp(folder / "whole.fls"))
+            << width << " x " << height << ", texels of " << texel << ", by 2^" << log2;
+        EXPECT_EQ(built->scene_id, whole->scene_id);
+        EXPECT_EQ(built->file_bytes, whole->file_bytes);
+        EXPECT_EQ(built->notes, whole->notes);
+        EXPECT_EQ(built->imagery.tiles, whole->imagery.tiles);
+        EXPECT_EQ(built->imagery.stored, whole->imagery.stored);
+      }
+    }
+  }
+}
+
+TEST(MergeBlocks, NamesAnObjectThatCannotStand) {
+  const test::TemporaryFolder folder;
+  test::FormulaSource source = sourceOf(1100, 700, FrameKind::kPlanar);
+  const auto refusal = [&](const ObjectRequest& object) {
+    const auto built = buildByBlocks(
+        source, {.plan = {.block_log2 = 9}, .output = folder / "a.fls", .additions = {.objects = {object}}});
+    EXPECT_FALSE(std::filesystem::exists(folder / "a.fls"));
+    return built.ok() ? "" : built.error().message;
+  };
+  const std::string sphere = folder / "sphere.fls", growing = folder / "growing.fls";
+  test::writeSphere(sphere);
+  test::writeGrowingSphere(growing, Time::seconds(0), Time::seconds(1));
+  EXPECT_NE(refusal({sphere, {1e7, 1e7}}).find("beyond the data"), std::string::npos);
+  EXPECT_NE(refusal({growing, source.info().frame.map_origin_m}).find("--epoch"), std::string::npos);
 }
 
 TEST(MergeBlocks, WindowsOfAnySizeGiveTheSameBytesAndLeaveNothing) {
