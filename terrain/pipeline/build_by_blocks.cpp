@@ -30,6 +30,7 @@ Status makeBlocks(const BlockPlan& plan, const ElevationInfo& info, const Blocks
 }  // namespace
 
 Result<BuildReport> buildByBlocks(ElevationSource& source, const WindowedOptions& options, const Progress& progress) {
+  if (Status s = checkAdditions(source.info(), options.additions); !s.ok()) return s.error();
   const auto plan = planBlocks(source, options.plan, progress);
   if (!plan) return plan.error();
   const auto grid = proto::GridTopology::create(plan->shape);

@@ -391,6 +391,20 @@ class Merge {
 
 }  // namespace
 
+Status checkAdditions(const ElevationInfo& ground, const SceneAdditions& additions) {
+  for (const ObjectRequest& object : additions.objects) {
+    const auto model = MappedSurface::open(object.model);
+    if (!model) return model.error();
+    if (!(*model)->poseTimes().empty())
+      return Error{ErrorCode::kUnsupported, object.model.string() +
+                                                ": has poses at several dates, and a scene that changes in time is not "
+                                                "made by blocks yet; foreland build makes it at once"};
+  }
+  const auto made = makeObjectSection(additions.objects, ground.frame, proto::Epochs(),
+                                      groundOf(ground, ground.frame, [](uint32_t, uint32_t) { return 0; }));
+  return made ? Status() : Status(made.error());
+}
+
 Result<BuildReport> mergeBlocks(const ElevationSource& source, const BlockPlan& plan, const MergeOptions& options,
                                 const Progress& progress) {
   return Merge(source, plan, options, progress).run();

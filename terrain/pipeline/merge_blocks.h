@@ -15,8 +15,7 @@
 
 namespace foreland::terrain {
 
-// What a scene has beside its ground, and how its pages stand in the file: as BuildOptions has it. Poses of objects
-// need epochs, so a model that has some is an Error.
+// What a scene has beside its ground, and how its pages stand in the file: as BuildOptions has it.
 struct SceneAdditions {
   PageCoding page_coding = PageCoding::kPlain;
   std::vector<ObjectRequest> objects{};
@@ -24,6 +23,10 @@ struct SceneAdditions {
   int imagery_quality = kDefaultImageryQuality;
   std::string attribution{};
 };
+
+// An Error names the object that cannot stand on the ground, or whose poses would need a scene that changes in time. Of
+// heights nothing is asked, so it may come before blocks.
+[[nodiscard]] Status checkAdditions(const ElevationInfo& ground, const SceneAdditions& additions);
 
 struct MergeOptions {
   std::filesystem::path blocks;  // the folder of their files
