@@ -6,6 +6,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <utility>
 
 #include "terrain/dem/open.h"
 #include "terrain/store/file/checksum.h"
@@ -71,15 +72,49 @@ Status parseWords(std::vector<std::string> words, PlanArguments& arguments) {
   return {};
 }
 
+Error changed(const std::filesystem::path& path, const std::string& file, const std::string& now) {
+  return {ErrorCode::kInvalidArgument,
+          file + ": " + now + ", not what " + path.string() + " was made of; make the plan again with foreland plan"};
+}
+
 Status checkSources(const std::filesystem::path& path, const Json& json) {
   for (const Json& source : json.at("sources")) {
     const std::string file = source.at("file");
     std::error_code error;
     if (const uint64_t bytes = std::filesystem::file_size(file, error); error || bytes != source.at("bytes"))
-      return Error{ErrorCode::kInvalidArgument,
-                   file + ": " + (error ? error.message() : std::to_string(bytes) + " bytes") + ", not what " +
-                       path.string() + " was made of; make the plan again with foreland plan"};
+      return changed(path, file, error ? error.message() : std::to_string(bytes) + " bytes");
   }
+  return {};
+}
+
+// Nothing else notices when a picture or a model is another one, so all of it is looked at.
+Status checkAdditions(const std::filesystem::path& path, const Json& json) {
+  for (const Json& wanted : json.at("additions")) {
+    const std::string file = wanted.at("file");
+    const auto found = describeSource(file);
+    if (!found) return found.error();
+    if (*found != wanted) return changed(path, file, "another content");
+  }
+  return {};
+}
+
+Status describeAll(const std::vector<std::filesystem::path>& files, Json& list) {
+  list = Json::array();
+  for (const std::filesystem::path& file : files) {
+    auto source = describeSource(file);
+    if (!source) return source.error();
+    list.push_back(std::move(*source));
+  }
+  return {};
+}
+
+Status openAdditions(const PlanArguments& arguments, OpenedPlan& opened) {
+  auto picture = openPictures(arguments.scene, opened.source->info(), arguments.foreign.allowed);
+  if (!picture) return picture.error();
+  opened.picture = std::move(*picture);
+  auto additions = additionsOf(arguments.scene, opened.picture.get());
+  if (!additions) return additions.error();
+  opened.additions = std::move(*additions);
   return {};
 }
 
@@ -91,14 +126,18 @@ Status fill(const Json& json, terrain::BlockPlan& plan) {
   return {};
 }
 
-Result<OpenedPlan> open(const std::filesystem::path& path, const std::vector<std::filesystem::path>& outputs) {
+Result<OpenedPlan> open(const std::filesystem::path& path, PlanUse use,
+                        const std::vector<std::filesystem::path>& outputs) {
   const auto json = readJson(path);
   if (!json) return json.error();
   PlanArguments arguments;
   if (Status s = parseWords(json->at("arguments").get<std::vector<std::string>>(), arguments); !s.ok())
     return damaged(path, s.error().message);
   if (Status s = checkSources(path, *json); !s.ok()) return s.error();
-  confineTo(arguments.foreign, filesOf(arguments.elevation), outputs);
+  const bool is_merge = use == PlanUse::kMerge;
+  if (is_merge)
+    if (Status s = checkAdditions(path, *json); !s.ok()) return s.error();
+  confineTo(arguments.foreign, is_merge ? filesOf(arguments) : filesOf(arguments.elevation), outputs);
   OpenedPlan opened;
   auto source = terrain::openElevation(arguments.elevation.inputs, arguments.elevation.open);
   if (!source) return source.error();
@@ -115,6 +154,8 @@ Result<OpenedPlan> open(const std::filesystem::path& path, const std::vector<std
     return Error{ErrorCode::kInvalidArgument,
                  path.string() + ": does not fit " + opened.source->info().title +
                      " as it is now, or was edited; make the plan again with foreland plan"};
+  if (is_merge)
+    if (Status s = openAdditions(arguments, opened); !s.ok()) return s.error();
   return opened;
 }
 
@@ -122,6 +163,7 @@ Result<OpenedPlan> open(const std::filesystem::path& path, const std::vector<std
 
 void describePlanned(CLI::App& app, PlanArguments& arguments) {
   describeInputs(app, arguments.elevation);
+  describeAdditions(app, arguments.scene);
   addForeignFiles(app, arguments.foreign);
 }
 
@@ -157,12 +199,10 @@ Status writePlan(const std::filesystem::path& path, const std::vector<std::strin
             {"highest", plan.range.highest},
             {"memory_mib", memoryOfBlock(plan)},
             {"sources", Json::array()},
+            {"additions", Json::array()},
             {"blocks", Json::array()}};
-  for (const std::filesystem::path& file : filesOf(arguments.elevation)) {
-    const auto source = describeSource(file);
-    if (!source) return source.error();
-    json["sources"].push_back(*source);
-  }
+  if (Status s = describeAll(filesOf(arguments.elevation), json["sources"]); !s.ok()) return s;
+  if (Status s = describeAll(filesOf(arguments.scene), json["additions"]); !s.ok()) return s;
   for (const uint64_t id : plan.ids) json["blocks"].push_back({{"id", hex(id)}});
   const std::string text = json.dump(1) + "\n";
   auto file = terrain::NewFile::create(path, text.size());
@@ -171,9 +211,27 @@ Status writePlan(const std::filesystem::path& path, const std::vector<std::strin
   return file->finish();
 }
 
-Result<OpenedPlan> openPlan(const std::filesystem::path& path, const std::vector<std::filesystem::path>& outputs) {
+std::vector<std::filesystem::path> filesOf(const PlanArguments& arguments) {
+  std::vector<std::filesystem::path> files = filesOf(arguments.elevation);
+  const std::vector<std::filesystem::path> of_scene = filesOf(arguments.scene);
+  files.insert(files.end(), of_scene.begin(), of_scene.end());
+  return files;
+}
+
+Result<terrain::SceneAdditions> additionsOf(const SceneArguments& arguments, terrain::PictureSource* picture) {
+  auto objects = parseObjects(arguments);
+  if (!objects) return objects.error();
+  return terrain::SceneAdditions{.page_coding = arguments.page_coding,
+                                 .objects = std::move(*objects),
+                                 .picture = picture,
+                                 .imagery_quality = arguments.imagery_quality,
+                                 .attribution = arguments.attribution};
+}
+
+Result<OpenedPlan> openPlan(const std::filesystem::path& path, PlanUse use,
+                            const std::vector<std::filesystem::path>& outputs) {
   try {
-    return open(path, outputs);
+    return open(path, use, outputs);
   } catch (const std::exception& error) { return damaged(path, error.what()); }
 }
 

@@ -1,5 +1,6 @@
-// The file of a plan, plan.json: what foreland plan found out about elevation, with the words that say how it is read,
-// and the list of blocks. foreland block and foreland merge open the inputs again by it. Main thread.
+// The file of a plan, plan.json: what foreland plan found out about elevation, with the words that say how it is read
+// and what the scene has beside it, and the list of blocks. foreland block opens the elevation again by it, foreland
+// merge pictures and models, too. Main thread.
 #pragma once
 
 #include <filesystem>
@@ -8,15 +9,18 @@
 #include <vector>
 
 #include "apps/build/elevation_options.h"
+#include "apps/build/scene_options.h"
 #include "apps/options/foreign_files.h"
 #include "base/result.h"
 #include "terrain/elevation_source.h"
 #include "terrain/pipeline/block_plan.h"
+#include "terrain/pipeline/merge_blocks.h"
 
 namespace foreland::apps {
 
 struct PlanArguments {
   ElevationArguments elevation;
+  SceneArguments scene;
   ForeignFiles foreign;
 };
 void describePlanned(CLI::App& app, PlanArguments& arguments);
@@ -24,15 +28,27 @@ void describePlanned(CLI::App& app, PlanArguments& arguments);
 // The words of describePlanned() that a command line has.
 std::vector<std::string> plannedWords(const CLI::App& app);
 
+// All files that the words name, for reading. Some may not be there.
+std::vector<std::filesystem::path> filesOf(const PlanArguments& arguments);
+
 Status writePlan(const std::filesystem::path& path, const std::vector<std::string>& words,
                  const PlanArguments& arguments, const terrain::BlockPlan& plan);
 
 struct OpenedPlan {
   terrain::BlockPlan plan;
   std::unique_ptr<terrain::ElevationSource> source;
+  std::unique_ptr<terrain::PictureSource> picture;
+  terrain::SceneAdditions additions;  // with that picture
 };
-// Opens a plan and its inputs, and confines the process to them and to the folders of `outputs`. An Error says what of
-// the plan is damaged, or which input is another one than it was.
-Result<OpenedPlan> openPlan(const std::filesystem::path& path, const std::vector<std::filesystem::path>& outputs);
+// Blocks are made of elevation alone.
+enum class PlanUse : uint8_t { kBlock, kMerge };
+// Opens a plan and the inputs that its use needs, and confines the process to them and to the folders of `outputs`. An
+// Error says what of the plan is damaged, or which input is another one than it was: of elevation the blocks' names
+// tell more than the size.
+Result<OpenedPlan> openPlan(const std::filesystem::path& path, PlanUse use,
+                            const std::vector<std::filesystem::path>& outputs);
+
+// What the scene is to have. `picture` must outlive it.
+Result<terrain::SceneAdditions> additionsOf(const SceneArguments& arguments, terrain::PictureSource* picture);
 
 }  // namespace foreland::apps
