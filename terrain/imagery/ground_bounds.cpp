@@ -46,7 +46,7 @@ void forEachNormal(const std::vector<glm::dvec3>& positions, size_t width, size_
 
 }  // namespace
 
-HeightWindows HeightWindows::of(const Heights& heights) {
+HeightsByWindow HeightsByWindow::of(const Heights& heights) {
   return {heights.width, heights.height, [heights](const SampleWindow& w, std::span<int32_t> out) {
             for (uint32_t y = 0; y < w.height; ++y)
               std::copy_n(heights.row(w.y + y) + w.x, w.width,

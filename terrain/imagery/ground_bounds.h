@@ -20,19 +20,19 @@ struct SampleWindow {
 };
 
 // The heights of a scene's samples, quanta, however they are kept.
-struct HeightWindows {
+struct HeightsByWindow {
   uint32_t width = 0, height = 0;  // samples
   // Fills `out` with a window's, row by row from the south. Any thread.
   std::function<Status(const SampleWindow& window, std::span<int32_t> out)> read;
 
-  static HeightWindows of(const Heights& heights);
+  static HeightsByWindow of(const Heights& heights);
 };
 
 class GroundBounds {
  public:
   static constexpr uint32_t kSamplesAtOnce = 1u << 19;
 
-  GroundBounds(HeightWindows heights, const proto::Frame& frame, uint32_t samples_at_once = kSamplesAtOnce)
+  GroundBounds(HeightsByWindow heights, const proto::Frame& frame, uint32_t samples_at_once = kSamplesAtOnce)
       : heights_(std::move(heights)),
         samples_at_once_(samples_at_once),
         height_quantum_m_(frame.height_quantum_m),
@@ -49,7 +49,7 @@ class GroundBounds {
   Status forEachStrip(const SampleWindow& window, std::vector<int32_t>& quanta, std::vector<glm::dvec3>& positions,
                       const Visit& visit) const;
 
-  HeightWindows heights_;
+  HeightsByWindow heights_;
   uint32_t samples_at_once_;
   double height_quantum_m_;
   proto::FrameGrid grid_;

@@ -130,7 +130,7 @@ class ReliefMaker {
   bool addRow(uint8_t level, uint32_t tile_y, const Band<T>& band) {
     std::optional<GroundBounds> ground;
     if constexpr (std::is_same_v<T, int32_t>)
-      ground.emplace(HeightWindows::of({band.values, band.width, band.height, 0, band.first}), frame_);
+      ground.emplace(HeightsByWindow::of({band.values, band.width, band.height, 0, band.first}), frame_);
     const uint32_t count = layer_.tilesX(level);
     std::vector<Scratch> scratch(threadCount(threads_));
     const bool complete = parallelFor(

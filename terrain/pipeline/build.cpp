@@ -143,9 +143,9 @@ Status addEpochs(const std::vector<EpochSamples>& epochs, EpochLayers& layers, c
 }
 
 BoundsOf boundsAtAllTimes(const Terrain& terrain) {
-  if (!terrain.epochs) return boundsOver(HeightWindows::of(terrain.heights), terrain.frame);
-  return [lowest = boundsOver(HeightWindows::of(terrain.epochs->lowest()), terrain.frame),
-          highest = boundsOver(HeightWindows::of(terrain.epochs->highest()), terrain.frame)](
+  if (!terrain.epochs) return boundsOver(HeightsByWindow::of(terrain.heights), terrain.frame);
+  return [lowest = boundsOver(HeightsByWindow::of(terrain.epochs->lowest()), terrain.frame),
+          highest = boundsOver(HeightsByWindow::of(terrain.epochs->highest()), terrain.frame)](
              const proto::LatticeBox& box, std::vector<glm::dvec3>& scratch) -> Result<proto::TileBounds> {
     const auto low = lowest(box, scratch), high = highest(box, scratch);
     if (!low || !high) return low ? high : low;

@@ -79,7 +79,7 @@ auto groundOf(const ElevationInfo& info, const proto::Frame& frame, const At& at
 }
 
 // What tells tiles of pictures the bounds of the ground below them.
-inline BoundsOf boundsOver(HeightWindows heights, const proto::Frame& frame) {
+inline BoundsOf boundsOver(HeightsByWindow heights, const proto::Frame& frame) {
   return [ground = std::make_shared<const GroundBounds>(std::move(heights), frame)](
              const proto::LatticeBox& box, std::vector<glm::dvec3>& scratch) { return ground->over(box, scratch); };
 }

@@ -71,7 +71,7 @@ TEST(GroundBounds, HoldTheGroundBetweenTheSamples) {
     const Heights heights{quanta, kWidth, kHeight};
     const proto::Frame frame = test::makeFrame(kind, kWidth, kHeight);
     const proto::FrameTransform transform(frame);
-    const GroundBounds ground(HeightWindows::of(heights), frame);
+    const GroundBounds ground(HeightsByWindow::of(heights), frame);
     const glm::dvec2 low(rng.uniform(-0.5, 20), rng.uniform(-0.5, 15)), high = low + glm::dvec2(12.3, 9.1);
     std::vector<glm::dvec3> scratch;
     const proto::TileBounds bounds = ground.over({low, high}, scratch).value();
@@ -107,7 +107,7 @@ TEST(GroundBounds, DoNotDependOnHowManySamplesAreHeld) {
   constexpr uint32_t kWidth = 61, kHeight = 47;
   std::vector<int32_t> quanta;
   for (uint32_t i = 0; i < kWidth * kHeight; ++i) quanta.push_back(static_cast<int32_t>(rng.below(300)));
-  const HeightWindows all = HeightWindows::of({quanta, kWidth, kHeight});
+  const HeightsByWindow all = HeightsByWindow::of({quanta, kWidth, kHeight});
   for (const auto kind : {proto::FrameKind::kPlanar, proto::FrameKind::kGeographic}) {
     const proto::Frame frame = test::makeFrame(kind, kWidth, kHeight);
     for (int i = 0; i < 40; ++i) {
