@@ -38,7 +38,7 @@ int run(const std::filesystem::path& plan, const std::vector<uint64_t>& numbers,
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (error) return fail({ErrorCode::kIo, folder.string() + ": cannot be made: " + error.message()});
-  const auto opened = apps::openPlan(plan, {folder / "block"}, apps::PlanUse::kHeights);
+  const auto opened = apps::openPlan(plan, apps::PlanUse::kBlock, {folder / "block"});
   if (!opened) return fail(opened.error());
   const auto grid = proto::GridTopology::create(opened->plan.shape);
   const terrain::Blocks blocks{*grid, opened->plan.block_log2};

@@ -1,10 +1,12 @@
 // foreland-merge: makes the scene file of a plan's blocks. Exit codes: 0 done, 2 anything else, with a line on stderr;
 // nothing half-written stays.
 #include <CLI/CLI.hpp>
+#include <chrono>
 #include <cstdio>
 #include <filesystem>
 
 #include "apps/blocks/plan_file.h"
+#include "apps/build/scene_report.h"
 #include "apps/options/command_line.h"
 #include "apps/options/options.h"
 #include "apps/options/output_file.h"
@@ -15,16 +17,19 @@
 namespace {
 
 using namespace foreland;
+using Clock = std::chrono::steady_clock;
 
 int fail(const Error& error) {
   std::fprintf(stderr, "foreland merge: %s\n", error.message.c_str());
   return 2;
 }
 
-int merge(const std::filesystem::path& plan, const terrain::MergeOptions& options) {
+int merge(const std::filesystem::path& plan, terrain::MergeOptions options) {
+  const Clock::time_point begun = Clock::now();
   if (Status s = apps::checkOutput(options.output, "scene file"); !s.ok()) return fail(s.error());
-  const auto opened = apps::openPlan(plan, {options.output, options.blocks / "block"}, apps::PlanUse::kInfo);
+  const auto opened = apps::openPlan(plan, apps::PlanUse::kMerge, {options.output, options.blocks / "block"});
   if (!opened) return fail(opened.error());
+  options.additions = opened->additions;
   apps::ProgressLine line;
   const auto built =
       terrain::mergeBlocks(opened->source(), opened->plan, options,
@@ -32,11 +37,7 @@ int merge(const std::filesystem::path& plan, const terrain::MergeOptions& option
                             .keepGoing = [] { return !apps::isStopRequested(); }});
   line.end();
   if (!built) return fail(built.error());
-  for (const std::string& note : built->notes) std::fprintf(stderr, "note: %s\n", note.c_str());
-  std::printf("%s: %u x %u samples, %llu nodes, heights %.1f to %.1f m, %.1f MB, id %016llx\n", options.output.c_str(),
-              built->width, built->height, static_cast<unsigned long long>(built->nodes), built->lowest_m,
-              built->highest_m, static_cast<double>(built->file_bytes) * 1e-6,
-              static_cast<unsigned long long>(built->scene_id));
+  apps::printScene(*built, options.output, std::chrono::duration<double>(Clock::now() - begun).count());
   return 0;
 }
 

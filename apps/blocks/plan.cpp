@@ -28,14 +28,41 @@ int fail(const Error& error) {
   return 2;
 }
 
+// So that hours are not spent on blocks before foreland merge says it.
+Status checkAdditions(const apps::PlanArguments& planned, const terrain::ElevationInfo& ground) {
+  const auto picture = apps::openPictures(planned.scene, ground, planned.foreign.allowed);
+  if (!picture) return picture.error();
+  const auto additions = apps::additionsOf(planned.scene, picture->get());
+  if (!additions) return additions.error();
+  return terrain::checkAdditions(ground, *additions);
+}
+
+// What foreland build takes and a plan does not is named with the way out, also where it stands in a file for both.
+void describeRefused(CLI::App& app) {
+  const auto refuse = [&](const std::string& name, const std::string& why) {
+    app.add_option_function<std::vector<std::string>>(
+           name, [name, why](const std::vector<std::string>&) { throw CLI::ValidationError(name, why); })
+        ->group("");
+  };
+  const auto refuseFlag = [&](const std::string& name, const std::string& why) {
+    app.add_flag_function(name, [name, why](int64_t) { throw CLI::ValidationError(name, why); })->group("");
+  };
+  const std::string in_time = "a scene that changes in time is not made by blocks yet; foreland build makes it at once",
+                    globe = "a globe is not made by blocks yet; foreland build makes it";
+  for (const char* name : {"--epoch", "--epoch-blend"}) refuse(name, in_time);
+  for (const char* name : {"--globe", "--sea"}) refuseFlag(name, globe);
+  refuse("--threads", "a plan needs none; give it to foreland merge");
+}
+
 int plan(const Arguments& arguments, const std::vector<std::string>& words) {
   const apps::ElevationArguments& elevation = arguments.planned.elevation;
   if (Status s = apps::checkOutput(arguments.output, "plan"); !s.ok()) return fail(s.error());
-  for (const std::filesystem::path& file : apps::filesOf(elevation))
+  for (const std::filesystem::path& file : apps::filesOf(arguments.planned))
     if (Status s = apps::checkApart(arguments.output, file, "one of the inputs"); !s.ok()) return fail(s.error());
   const auto source = terrain::openElevation(elevation.inputs, elevation.open);
   if (!source.ok()) return fail(source.error());
   apps::describeInput((*source)->info());
+  if (Status s = checkAdditions(arguments.planned, (*source)->info()); !s.ok()) return fail(s.error());
   apps::ProgressLine line;
   const auto made = terrain::planBlocks(**source,
                                         {.height_quantum_m = apps::chooseVerticalStep(elevation, (*source)->info()),
@@ -63,6 +90,7 @@ int main(int argc, char** argv) {
       ->type_name(apps::whole("MIB"))
       ->check(apps::within(1u, 1u << 30))
       ->capture_default_str();
+  describeRefused(app);
   apps::addConfiguration(app);
   const auto exit_code =
       apps::parseCommandLine(app, argc, argv,
@@ -76,7 +104,7 @@ int main(int argc, char** argv) {
   apps::takeVerticals(elevation);
   if (Status s = apps::takeInsets(elevation); !s.ok()) return fail(s.error());
   elevation.open.allowed_folders = arguments.planned.foreign.allowed;
-  apps::confineTo(arguments.planned.foreign, apps::filesOf(elevation), {arguments.output});
+  apps::confineTo(arguments.planned.foreign, apps::filesOf(arguments.planned), {arguments.output});
   apps::catchStopSignals();
   return plan(arguments, words);
 }

@@ -6,6 +6,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <utility>
 
 #include "terrain/dem/open.h"
 #include "terrain/pipeline/void_fill.h"
@@ -72,14 +73,17 @@ Status parseWords(std::vector<std::string> words, PlanArguments& arguments) {
   return {};
 }
 
+Error changed(const std::filesystem::path& path, const std::string& file, const std::string& now) {
+  return {ErrorCode::kInvalidArgument,
+          file + ": " + now + ", not what " + path.string() + " was made of; make the plan again with foreland plan"};
+}
+
 Status checkSources(const std::filesystem::path& path, const Json& json) {
   for (const Json& source : json.at("sources")) {
     const std::string file = source.at("file");
     std::error_code error;
     if (const uint64_t bytes = std::filesystem::file_size(file, error); error || bytes != source.at("bytes"))
-      return Error{ErrorCode::kInvalidArgument,
-                   file + ": " + (error ? error.message() : std::to_string(bytes) + " bytes") + ", not what " +
-                       path.string() + " was made of; make the plan again with foreland plan"};
+      return changed(path, file, error ? error.message() : std::to_string(bytes) + " bytes");
   }
   return {};
 }
@@ -97,6 +101,37 @@ Result<std::shared_ptr<const terrain::VoidFill>> openVoids(const std::filesystem
   return std::make_shared<const terrain::VoidFill>(std::move(fill).value());
 }
 
+// Nothing else notices when a picture or a model is another one, so all of it is looked at.
+Status checkAdditions(const std::filesystem::path& path, const Json& json) {
+  for (const Json& wanted : json.at("additions")) {
+    const std::string file = wanted.at("file");
+    const auto found = describeSource(file);
+    if (!found) return found.error();
+    if (*found != wanted) return changed(path, file, "another content");
+  }
+  return {};
+}
+
+Status describeAll(const std::vector<std::filesystem::path>& files, Json& list) {
+  list = Json::array();
+  for (const std::filesystem::path& file : files) {
+    auto source = describeSource(file);
+    if (!source) return source.error();
+    list.push_back(std::move(*source));
+  }
+  return {};
+}
+
+Status openAdditions(const PlanArguments& arguments, OpenedPlan& opened) {
+  auto picture = openPictures(arguments.scene, opened.input->info(), arguments.foreign.allowed);
+  if (!picture) return picture.error();
+  opened.picture = std::move(*picture);
+  auto additions = additionsOf(arguments.scene, opened.picture.get());
+  if (!additions) return additions.error();
+  opened.additions = std::move(*additions);
+  return {};
+}
+
 Status fill(const Json& json, terrain::BlockPlan& plan) {
   if (const auto voids = json.find("voids"); voids != json.end()) {
     plan.voids_filled = voids->at("samples");
@@ -109,22 +144,25 @@ Status fill(const Json& json, terrain::BlockPlan& plan) {
   return {};
 }
 
-Result<OpenedPlan> open(const std::filesystem::path& path, const std::vector<std::filesystem::path>& outputs,
-                        PlanUse use) {
+Result<OpenedPlan> open(const std::filesystem::path& path, PlanUse use,
+                        const std::vector<std::filesystem::path>& outputs) {
   const auto json = readJson(path);
   if (!json) return json.error();
   PlanArguments arguments;
   if (Status s = parseWords(json->at("arguments").get<std::vector<std::string>>(), arguments); !s.ok())
     return damaged(path, s.error().message);
   if (Status s = checkSources(path, *json); !s.ok()) return s.error();
-  // Foreign files may not read in the plan's folder, so this is opened before they are.
+  const bool is_merge = use == PlanUse::kMerge;
+  if (is_merge)
+    if (Status s = checkAdditions(path, *json); !s.ok()) return s.error();
+  // Foreign files may not read in the plan's folder, so this is opened before they are. A merge reads no heights.
   std::shared_ptr<const terrain::VoidFill> voids;
-  if (use == PlanUse::kHeights) {
+  if (!is_merge) {
     auto found = openVoids(path, *json);
     if (!found) return found.error();
     voids = std::move(found).value();
   }
-  confineTo(arguments.foreign, filesOf(arguments.elevation), outputs);
+  confineTo(arguments.foreign, is_merge ? filesOf(arguments) : filesOf(arguments.elevation), outputs);
   OpenedPlan opened;
   auto source = terrain::openElevation(arguments.elevation.inputs, arguments.elevation.open);
   if (!source) return source.error();
@@ -143,6 +181,8 @@ Result<OpenedPlan> open(const std::filesystem::path& path, const std::vector<std
                      " as it is now, or was edited; make the plan again with foreland plan"};
   opened.plan.voids = std::move(voids);
   if (opened.plan.voids) opened.filled = std::make_unique<terrain::FilledSource>(*opened.input, *opened.plan.voids);
+  if (is_merge)
+    if (Status s = openAdditions(arguments, opened); !s.ok()) return s.error();
   return opened;
 }
 
@@ -150,6 +190,7 @@ Result<OpenedPlan> open(const std::filesystem::path& path, const std::vector<std
 
 void describePlanned(CLI::App& app, PlanArguments& arguments) {
   describeInputs(app, arguments.elevation);
+  describeAdditions(app, arguments.scene);
   addForeignFiles(app, arguments.foreign);
 }
 
@@ -184,18 +225,16 @@ Status writePlan(const std::filesystem::path& path, const std::vector<std::strin
             {"lowest", plan.range.lowest},
             {"highest", plan.range.highest},
             {"memory_mib", memoryOfBlock(plan)},
-            {"sources", Json::array()}};
+            {"sources", Json::array()},
+            {"additions", Json::array()}};
   if (plan.voids)
     json["voids"] = {{"file", plan.voids->path().filename().string()},
                      {"content", hex(plan.voids->id())},
                      {"samples", plan.voids_filled},
                      {"note", plan.voids_note}};
   json["blocks"] = Json::array();
-  for (const std::filesystem::path& file : filesOf(arguments.elevation)) {
-    const auto source = describeSource(file);
-    if (!source) return source.error();
-    json["sources"].push_back(*source);
-  }
+  if (Status s = describeAll(filesOf(arguments.elevation), json["sources"]); !s.ok()) return s;
+  if (Status s = describeAll(filesOf(arguments.scene), json["additions"]); !s.ok()) return s;
   for (const uint64_t id : plan.ids) json["blocks"].push_back({{"id", hex(id)}});
   const std::string text = json.dump(1) + "\n";
   auto file = terrain::NewFile::create(path, text.size());
@@ -206,10 +245,27 @@ Status writePlan(const std::filesystem::path& path, const std::vector<std::strin
 
 std::filesystem::path voidsBeside(const std::filesystem::path& plan) { return plan.string() + "."; }
 
-Result<OpenedPlan> openPlan(const std::filesystem::path& path, const std::vector<std::filesystem::path>& outputs,
-                            PlanUse use) {
+std::vector<std::filesystem::path> filesOf(const PlanArguments& arguments) {
+  std::vector<std::filesystem::path> files = filesOf(arguments.elevation);
+  const std::vector<std::filesystem::path> of_scene = filesOf(arguments.scene);
+  files.insert(files.end(), of_scene.begin(), of_scene.end());
+  return files;
+}
+
+Result<terrain::SceneAdditions> additionsOf(const SceneArguments& arguments, terrain::PictureSource* picture) {
+  auto objects = parseObjects(arguments);
+  if (!objects) return objects.error();
+  return terrain::SceneAdditions{.page_coding = arguments.page_coding,
+                                 .objects = std::move(*objects),
+                                 .picture = picture,
+                                 .imagery_quality = arguments.imagery_quality,
+                                 .attribution = arguments.attribution};
+}
+
+Result<OpenedPlan> openPlan(const std::filesystem::path& path, PlanUse use,
+                            const std::vector<std::filesystem::path>& outputs) {
   try {
-    return open(path, outputs, use);
+    return open(path, use, outputs);
   } catch (const std::exception& error) { return damaged(path, error.what()); }
 }
 

@@ -16,6 +16,8 @@
 #include <vector>
 
 #include "apps/build/elevation_options.h"
+#include "apps/build/scene_options.h"
+#include "apps/build/scene_report.h"
 #include "apps/options/command_line.h"
 #include "apps/options/date.h"
 #include "apps/options/foreign_files.h"
@@ -28,7 +30,6 @@
 #include "terrain/dem/open.h"
 #include "terrain/dem/open_globe.h"
 #include "terrain/dem/pictures/globe_pictures.h"
-#include "terrain/dem/pictures/open_pictures.h"
 #include "terrain/dem/vertical/height_reference.h"
 #include "terrain/geo/geodesy.h"
 #include "terrain/pipeline/build.h"
@@ -46,13 +47,9 @@ struct Arguments {
   std::filesystem::path output;
   bool is_globe = false, has_sea = false;
   unsigned threads = 0, memory_mib = 1024;
-  terrain::PageCoding page_coding = terrain::PageCoding::kPlain;
-  std::vector<std::string> objects, epochs;
+  apps::SceneArguments scene;
+  std::vector<std::string> epochs;
   proto::EpochBlend epoch_blend = proto::EpochBlend::kLinear;
-  std::vector<std::filesystem::path> imagery;
-  int imagery_quality = terrain::kDefaultImageryQuality;
-  terrain::AlphaChoice imagery_alpha = terrain::AlphaChoice::kAuto;
-  std::string attribution;
   apps::ForeignFiles foreign;
 };
 
@@ -76,31 +73,14 @@ void describeElevation(CLI::App& app, Arguments& arguments) {
       ->capture_default_str();
   app.add_option(
          "--memory", arguments.memory_mib,
-         "MiB for heights: of inputs that take more (4 bytes a sample), a scene of ground alone in plain pages is "
-         "made block by block, and blocks are kept beside it until it is complete, so that a build that ended goes on")
+         "MiB for heights: of inputs that take more (4 bytes a sample), a scene that does not change in time is made "
+         "block by block, and blocks are kept beside it until it is complete, so that a build that ended goes on")
       ->type_name(apps::whole("MIB"))
       ->check(apps::within(1u, 1u << 30))
       ->capture_default_str();
-  static const std::map<std::string, terrain::PageCoding> codings{{"plain", terrain::PageCoding::kPlain},
-                                                                  {"coded", terrain::PageCoding::kCoded}};
-  app.add_option_function<std::string>(
-         "--pages", [&](const std::string& name) { arguments.page_coding = codings.at(name); },
-         "how the ground stands in the file: plain, eight bytes a sample, which are used where they lie; coded: about "
-         "a tenth, inflated when they are first touched (serve --page-cache-mib), for scenes larger than memory "
-         "and disk. What viewers get is the same")
-      ->check(apps::oneOf({"plain", "coded"}))
-      ->default_str("plain");
 }
 
-void describeChanges(CLI::App& app, Arguments& arguments) {
-  app.add_option(
-         "--object", arguments.objects,
-         "a surface made by `foreland remesh` that stands on the terrain; LAT and LON in degrees, in planar "
-         "scenes x and y of the map in metres; here: where the model's own coordinates are on the "
-         "map of the scene, and at their height. The dates of its poses are the scene's epochs, unless there is "
-         "--epoch: then each is one of these")
-      ->type_name(apps::text("MODEL.fls@LAT,LON|here[,HEIGHT[,HEADING[,SCALE]]]"))
-      ->allow_extra_args(false);
+void describeEpochs(CLI::App& app, Arguments& arguments) {
   app.add_option("--epoch", arguments.epochs,
                  "the ground at a date: the scene changes in time from the first date to the last. The file may have "
                  "any grid and resolution; outside of it, and where it has no data, the ground is as at the date "
@@ -116,32 +96,6 @@ void describeChanges(CLI::App& app, Arguments& arguments) {
          "smoothly, and past all but the first and the last")
       ->check(apps::oneOf({"linear", "catmull-rom", "b-spline"}))
       ->default_str("linear");
-}
-
-void describeImagery(CLI::App& app, Arguments& arguments) {
-  CLI::Option* imagery = app.add_option(
-      "--imagery", arguments.imagery,
-      "pictures to lay over the terrain: whatever GDAL reads, grey, palette, RGB or RGBA of 8 bits, in any reference "
-      "system; where they overlap, the finest shows. One without georeference is laid over the whole scene");
-  imagery->type_name(apps::file("FILE"));
-  app.add_option("--imagery-quality", arguments.imagery_quality, "of the pictures' WebP")
-      ->type_name(apps::whole("Q"))
-      ->check(apps::within(1, 100))
-      ->needs(imagery)
-      ->capture_default_str();
-  static const std::map<std::string, terrain::AlphaChoice> alphas{{"auto", terrain::AlphaChoice::kAuto},
-                                                                  {"use", terrain::AlphaChoice::kUse},
-                                                                  {"ignore", terrain::AlphaChoice::kIgnore}};
-  app.add_option_function<std::string>(
-         "--imagery-alpha", [&](const std::string& name) { arguments.imagery_alpha = alphas.at(name); },
-         "what to make of a last band of the pictures that is tagged as alpha; by default it is left out, with a note, "
-         "where it is hardly anywhere opaque, as infrared is not")
-      ->check(apps::oneOf({"auto", "use", "ignore"}))
-      ->needs(imagery)
-      ->default_str("auto");
-  app.add_option("--attribution", arguments.attribution, "whom viewers name where they show the pictures")
-      ->type_name(apps::text("NAME"))
-      ->needs(imagery);
 }
 
 // From here on inputs and epochs are names of files.
@@ -166,26 +120,7 @@ Status checkOutput(const Arguments& arguments) {
     if (Status s = apps::checkApart(arguments.output, input, "one of the inputs"); !s.ok()) return s;
   for (const terrain::InsetFile& inset : arguments.elevation.open.insets)
     if (Status s = apps::checkApart(arguments.output, inset.file, "one of the insets"); !s.ok()) return s;
-  for (const std::filesystem::path& picture : arguments.imagery)
-    if (Status s = apps::checkApart(arguments.output, picture, "one of the pictures"); !s.ok()) return s;
-  return {};
-}
-
-void describeScene(const terrain::BuildReport& report, const std::filesystem::path& output, double seconds) {
-  for (const std::string& note : report.notes) std::fprintf(stderr, "note: %s\n", note.c_str());
-  for (const std::string& warning : report.warnings) std::fprintf(stderr, "warning: %s\n", warning.c_str());
-  for (const terrain::EpochReport& epoch : report.epochs)
-    std::printf("  epoch %s: %llu samples changed, by %.1f m at most, %.3f MB\n", epoch.date.c_str(),
-                static_cast<unsigned long long>(epoch.changed_samples), epoch.max_m,
-                static_cast<double>(epoch.bytes) * 1e-6);
-  if (report.imagery.tiles > 0)
-    std::printf("  imagery: %llu tiles, and %llu whose parents show the same\n",
-                static_cast<unsigned long long>(report.imagery.stored),
-                static_cast<unsigned long long>(report.imagery.tiles - report.imagery.stored));
-  std::printf("%s: %u x %u samples, %llu nodes, heights %.1f to %.1f m, %llu voids filled, %.1f MB, %.1f s\n",
-              output.c_str(), report.width, report.height, static_cast<unsigned long long>(report.nodes),
-              report.lowest_m, report.highest_m, static_cast<unsigned long long>(report.voids_filled),
-              static_cast<double>(report.file_bytes) * 1e-6, seconds);
+  return apps::checkApart(arguments.output, arguments.scene);
 }
 
 struct OpenedEpochs {
@@ -235,9 +170,9 @@ Result<OpenedEpochs> openEpochs(const Arguments& arguments, const std::string& s
 // All files that the command names, for reading. Some may not be there.
 std::vector<std::filesystem::path> filesOf(const Arguments& arguments) {
   std::vector<std::filesystem::path> files = apps::filesOf(arguments.elevation);
-  files.insert(files.end(), arguments.imagery.begin(), arguments.imagery.end());
+  const std::vector<std::filesystem::path> of_scene = apps::filesOf(arguments.scene);
+  files.insert(files.end(), of_scene.begin(), of_scene.end());
   for (const std::string& text : arguments.epochs) files.emplace_back(text.substr(text.find('=') + 1));
-  for (const std::string& text : arguments.objects) files.emplace_back(text.substr(0, text.rfind('@')));
   return files;
 }
 
@@ -249,16 +184,6 @@ std::string verticalOfScene(const Arguments& arguments, const terrain::Elevation
   const auto choice = own != arguments.elevation.open.vertical_of.end() ? std::optional(own->second)
                                                                         : arguments.elevation.open.vertical;
   return choice && *choice != terrain::kAsTheFileSays ? *choice : terrain::choiceNamed(info.vertical.name);
-}
-
-Result<std::vector<terrain::ObjectRequest>> parseObjects(const std::vector<std::string>& texts) {
-  std::vector<terrain::ObjectRequest> objects;
-  for (const std::string& text : texts) {
-    auto object = terrain::parseObject(text);
-    if (!object.ok()) return object.error();
-    objects.push_back(std::move(*object));
-  }
-  return objects;
 }
 
 // What a globe cannot have.
@@ -289,7 +214,7 @@ int runBuild(const Arguments& arguments, Clock::time_point begun, const Build& b
                               .keepGoing = [] { return !apps::isStopRequested(); }});
   line.end();
   if (!built.ok()) return fail(built.error());
-  describeScene(*built, arguments.output, std::chrono::duration<double>(Clock::now() - begun).count());
+  apps::printScene(*built, arguments.output, std::chrono::duration<double>(Clock::now() - begun).count());
   return 0;
 }
 
@@ -304,11 +229,12 @@ int buildGlobe(const Arguments& arguments) {
   const auto depth = terrain::depthOf((*source)->info(), open.residual_m);
   if (!depth.ok()) return fail(depth.error());
   describeGlobe((*source)->info(), *depth);
-  const auto objects = parseObjects(arguments.objects);
+  const auto objects = apps::parseObjects(arguments.scene);
   if (!objects.ok()) return fail(objects.error());
   std::unique_ptr<terrain::GlobePicture> picture;
-  if (!arguments.imagery.empty()) {
-    auto opened = terrain::openGlobePictures(arguments.imagery, arguments.foreign.allowed, arguments.imagery_alpha);
+  const apps::SceneArguments& scene = arguments.scene;
+  if (!scene.imagery.empty()) {
+    auto opened = terrain::openGlobePictures(scene.imagery, arguments.foreign.allowed, scene.imagery_alpha);
     if (!opened.ok()) return fail(opened.error());
     picture = std::move(opened).value();
   }
@@ -318,11 +244,11 @@ int buildGlobe(const Arguments& arguments) {
                                 .height_quantum_m = arguments.elevation.vertical_step_m.value_or(0.1),
                                 .threads = arguments.threads,
                                 .residual_m = open.residual_m,
-                                .page_coding = arguments.page_coding,
+                                .page_coding = arguments.scene.page_coding,
                                 .objects = *objects,
                                 .picture = picture.get(),
-                                .imagery_quality = arguments.imagery_quality,
-                                .attribution = arguments.attribution,
+                                .imagery_quality = scene.imagery_quality,
+                                .attribution = scene.attribution,
                                 .has_sea = arguments.has_sea},
                                progress);
   });
@@ -333,8 +259,8 @@ bool isByBlocks(const Arguments& arguments, const terrain::ElevationSource& sour
                 const terrain::BuildOptions& options) {
   const terrain::ElevationInfo& info = source.info();
   const uint64_t bytes = uint64_t{info.width} * info.height * sizeof(float);
-  return bytes > uint64_t{arguments.memory_mib} << 20 && options.objects.empty() && options.epochs.empty() &&
-         options.picture == nullptr && options.page_coding == terrain::PageCoding::kPlain &&
+  return bytes > uint64_t{arguments.memory_mib} << 20 && options.epochs.empty() &&
+         options.epoch_blend == proto::EpochBlend::kLinear &&
          terrain::emptyPlan(source, options.height_quantum_m, 10).ok();
 }
 
@@ -345,14 +271,19 @@ Result<terrain::BuildReport> buildByBlocks(const Arguments& arguments, terrain::
                                           .widen_quantum = options.widen_quantum,
                                           .memory_bytes = uint64_t{arguments.memory_mib} << 20},
                                  .output = options.output,
-                                 .threads = options.threads},
+                                 .threads = options.threads,
+                                 .additions = {.page_coding = options.page_coding,
+                                               .objects = options.objects,
+                                               .picture = options.picture,
+                                               .imagery_quality = options.imagery_quality,
+                                               .attribution = options.attribution}},
                                 progress);
 }
 
 int build(const Arguments& arguments) {
   const Clock::time_point begun = Clock::now();
   if (Status s = checkOutput(arguments); !s.ok()) return fail(s.error());
-  auto objects = parseObjects(arguments.objects);
+  auto objects = apps::parseObjects(arguments.scene);
   if (!objects.ok()) return fail(objects.error());
   auto of_poses = epochsOfPoses(*objects);
   if (!of_poses.ok()) return fail(of_poses.error());
@@ -365,24 +296,18 @@ int build(const Arguments& arguments) {
   terrain::BuildOptions options{.output = arguments.output,
                                 .height_quantum_m = apps::chooseVerticalStep(arguments.elevation, (*source)->info()),
                                 .threads = arguments.threads,
-                                .page_coding = arguments.page_coding,
+                                .page_coding = arguments.scene.page_coding,
                                 .widen_quantum = !arguments.elevation.vertical_step_m,
                                 .objects = std::move(*objects)};
   auto epochs = openEpochs(arguments, verticalOfScene(arguments, (*source)->info()), (*source)->info());
   if (!epochs.ok()) return fail(epochs.error());
   options.epochs = epochs->requests.empty() ? std::move(*of_poses) : epochs->requests;
   options.epoch_blend = arguments.epoch_blend;
-  std::unique_ptr<terrain::PictureSource> picture;
-  if (!arguments.imagery.empty()) {
-    const terrain::ElevationInfo& info = (*source)->info();
-    auto opened = terrain::openPictures(arguments.imagery, {info.frame, info.crs_wkt, info.width, info.height,
-                                                            arguments.foreign.allowed, arguments.imagery_alpha});
-    if (!opened.ok()) return fail(opened.error());
-    picture = std::move(opened).value();
-    options.picture = picture.get();
-    options.imagery_quality = arguments.imagery_quality;
-    options.attribution = arguments.attribution;
-  }
+  const auto picture = apps::openPictures(arguments.scene, (*source)->info(), arguments.foreign.allowed);
+  if (!picture.ok()) return fail(picture.error());
+  options.picture = picture->get();
+  options.imagery_quality = arguments.scene.imagery_quality;
+  options.attribution = arguments.scene.attribution;
   return runBuild(arguments, begun, [&](const terrain::Progress& progress) {
     return isByBlocks(arguments, **source, options) ? buildByBlocks(arguments, **source, options, progress)
                                                     : terrain::buildScene(**source, options, progress);
@@ -395,8 +320,8 @@ int main(int argc, char** argv) {
   CLI::App app{"Makes a scene file from elevation data.", "foreland build"};
   Arguments arguments;
   describeElevation(app, arguments);
-  describeImagery(app, arguments);
-  describeChanges(app, arguments);
+  apps::describeAdditions(app, arguments.scene);
+  describeEpochs(app, arguments);
   apps::addForeignFiles(app, arguments.foreign);
   apps::addConfiguration(app);
   const auto exit_code = apps::parseCommandLine(

@@ -73,19 +73,25 @@ class TileWriter {
     if (!layer_.isCoarsest(tile) && !has_finer && detail < kMinDetail) return {};
     const auto bytes = encodeTile(colours, options_.quality);
     if (!bytes) return bytes.error();
+    const auto bounds = boundsOf(tile);
+    if (!bounds) return bounds.error();
     ++stored;
-    return section_.add(tile, *bytes, boundsOf(tile), detail);
+    return section_.add(tile, *bytes, *bounds, detail);
   }
   std::atomic<uint64_t> stored{0};
 
  private:
-  proto::TileBounds boundsOf(const TileId& tile) const {
+  Result<proto::TileBounds> boundsOf(const TileId& tile) const {
     std::vector<glm::dvec3> scratch;
     if (tile.level == 0) return boundsOf_(layer_.boxOf(tile), scratch);
     std::vector<proto::TileBounds> parts;
-    for (uint32_t k = 0; k < 4; ++k)
-      if (const TileId child = tile.child(k); layer_.has(child))
-        parts.push_back(section_.has(child) ? section_.bounds(child) : boundsOf_(layer_.boxOf(child), scratch));
+    for (uint32_t k = 0; k < 4; ++k) {
+      const TileId child = tile.child(k);
+      if (!layer_.has(child)) continue;
+      const auto part = section_.has(child) ? section_.bounds(child) : boundsOf_(layer_.boxOf(child), scratch);
+      if (!part) return part.error();
+      parts.push_back(*part);
+    }
     return unionOf(std::span<const proto::TileBounds>(parts));
   }
 

@@ -46,7 +46,16 @@ void forEachNormal(const std::vector<glm::dvec3>& positions, size_t width, size_
 
 }  // namespace
 
-GroundBounds::Window GroundBounds::windowOver(const proto::LatticeBox& box) const {
+HeightsByWindow HeightsByWindow::of(const Heights& heights) {
+  return {heights.width, heights.height, [heights](const SampleWindow& w, std::span<int32_t> out) {
+            for (uint32_t y = 0; y < w.height; ++y)
+              std::copy_n(heights.row(w.y + y) + w.x, w.width,
+                          out.begin() + static_cast<ptrdiff_t>(size_t{y} * w.width));
+            return Status();
+          }};
+}
+
+SampleWindow GroundBounds::windowOver(const proto::LatticeBox& box) const {
   const auto first = [](double low, uint32_t count) {
     return static_cast<uint32_t>(std::clamp(std::floor(low) - kRing + 1, 0.0, count - 2.0));
   };
@@ -57,39 +66,57 @@ GroundBounds::Window GroundBounds::windowOver(const proto::LatticeBox& box) cons
   return {x, y, last(box.high.x, heights_.width) - x + 1, last(box.high.y, heights_.height) - y + 1};
 }
 
-void GroundBounds::setHeights(const Window& w, proto::TileBounds& bounds) const {
-  int32_t lowest = proto::kMaxHeight, highest = -proto::kMaxHeight;
-  for (uint32_t y = w.y; y < w.y + w.height; ++y) {
-    const int32_t* row = heights_.row(y) + w.x;
-    for (uint32_t i = 0; i < w.width; ++i) lowest = std::min(lowest, row[i]), highest = std::max(highest, row[i]);
+// Calls visit(rows) with the heights and the positions of as many rows as are held at a time, of which each begins with
+// the last one before: so every cell is seen once, in the order in which it would be if all were held. What one strip
+// holds is not read again if it is there.
+template <class Visit>
+Status GroundBounds::forEachStrip(const SampleWindow& window, std::vector<int32_t>& quanta,
+                                  std::vector<glm::dvec3>& positions, const Visit& visit) const {
+  const uint32_t rows = std::clamp(samples_at_once_ / window.width, 2u, window.height);
+  for (uint32_t first = 0; first + 1 < window.height; first += rows - 1) {
+    const SampleWindow strip{window.x, window.y + first, window.width, std::min(rows, window.height - first)};
+    if (strip.height < window.height || quanta.empty()) {
+      quanta.resize(size_t{strip.width} * strip.height);
+      positions.resize(quanta.size());
+      if (Status s = heights_.read(strip, quanta); !s.ok()) return s;
+      size_t i = 0;
+      for (uint32_t y = strip.y; y < strip.y + strip.height; ++y)
+        for (uint32_t x = strip.x; x < strip.x + strip.width; ++x, ++i)
+          positions[i] = grid_.position(proto::NodeId::at(x, y), quanta[i]);
+    }
+    visit(strip.height);
   }
-  bounds.lowest_m = below(lowest * height_quantum_m_);
-  bounds.highest_m = above(highest * height_quantum_m_);
+  return {};
 }
 
-void GroundBounds::setCone(const Window& w, std::vector<glm::dvec3>& positions, proto::TileBounds& bounds) const {
-  positions.resize(size_t{w.width} * w.height);
-  size_t i = 0;
-  for (uint32_t y = w.y; y < w.y + w.height; ++y)
-    for (uint32_t x = w.x; x < w.x + w.width; ++x)
-      positions[i++] = grid_.position(proto::NodeId::at(x, y), heights_.row(y)[x]);
+Result<proto::TileBounds> GroundBounds::over(const proto::LatticeBox& box, std::vector<glm::dvec3>& scratch) const {
+  const SampleWindow window = windowOver(box);
+  std::vector<int32_t> quanta;
+  int32_t lowest = proto::kMaxHeight, highest = -proto::kMaxHeight;
   glm::dvec3 low(1), high(-1);
-  forEachNormal(positions, w.width, w.height,
-                [&](const glm::dvec3& n) { low = glm::min(low, n), high = glm::max(high, n); });
+  const auto see = [&](uint32_t rows) {
+    for (const int32_t h : quanta) lowest = std::min(lowest, h), highest = std::max(highest, h);
+    forEachNormal(scratch, window.width, rows,
+                  [&](const glm::dvec3& n) { low = glm::min(low, n), high = glm::max(high, n); });
+  };
+  if (Status s = forEachStrip(window, quanta, scratch, see); !s.ok()) return s.error();
+  proto::TileBounds bounds;
+  bounds.lowest_m = below(lowest * height_quantum_m_);
+  bounds.highest_m = above(highest * height_quantum_m_);
   const glm::dvec3 middle = 0.5 * (low + high);
-  if (!(glm::dot(middle, middle) > 1e-6)) return terrain::setCone(NormalCone::everything(), bounds);
+  if (!(glm::dot(middle, middle) > 1e-6)) {
+    setCone(NormalCone::everything(), bounds);
+    return bounds;
+  }
   const auto axis = quantisedAxis(middle);
   const glm::dvec3 unit = NormalCone{axis, 0}.unitAxis();
   double least = 1;
-  forEachNormal(positions, w.width, w.height, [&](const glm::dvec3& n) { least = std::min(least, glm::dot(n, unit)); });
-  terrain::setCone(coneOf(axis, least), bounds);
-}
-
-proto::TileBounds GroundBounds::over(const proto::LatticeBox& box, std::vector<glm::dvec3>& scratch) const {
-  proto::TileBounds bounds;
-  const Window window = windowOver(box);
-  setHeights(window, bounds);
-  setCone(window, scratch, bounds);
+  const auto hold = [&](uint32_t rows) {
+    forEachNormal(scratch, window.width, rows,
+                  [&](const glm::dvec3& n) { least = std::min(least, glm::dot(n, unit)); });
+  };
+  if (Status s = forEachStrip(window, quanta, scratch, hold); !s.ok()) return s.error();
+  setCone(coneOf(axis, least), bounds);
   return bounds;
 }
 

@@ -22,13 +22,31 @@ using proto::TileId;
 
 constexpr uint32_t kBatchColumns = 8, kBatchRows = 4;  // tiles of the finest level that are read at a time
 
-// One level of the picture, in a file without a name.
+// One level of the picture, in a file without a name that is not mapped: pictures may be larger than address space.
 struct LinearLevel {
   uint32_t width = 0, height = 0;
   NewFile file;
-  LinearTexel* at(uint32_t x, uint32_t y) const {
-    return reinterpret_cast<LinearTexel*>(file.data()) + size_t{y} * width + x;
+
+  uint64_t at(uint32_t x, uint32_t y) const { return (uint64_t{y} * width + x) * sizeof(LinearTexel); }
+  Status read(uint32_t x, uint32_t y, std::span<LinearTexel> out) const {
+    return file.read(at(x, y), {reinterpret_cast<uint8_t*>(out.data()), out.size_bytes()});
   }
+  Status put(uint32_t x, uint32_t y, std::span<const LinearTexel> row) const {
+    return file.put(at(x, y), {reinterpret_cast<const uint8_t*>(row.data()), row.size_bytes()});
+  }
+};
+
+// A rectangle of one.
+struct LinearWindow {
+  uint32_t x = 0, y = 0, width = 0, height = 0;
+  std::vector<LinearTexel> texels{};
+
+  void reset(uint32_t to_x, uint32_t to_y, uint32_t to_width, uint32_t to_height) {
+    x = to_x, y = to_y, width = to_width, height = to_height;
+    texels.resize(size_t{width} * height);
+  }
+  std::span<LinearTexel> row(uint32_t at_y) { return std::span(texels).subspan(size_t{at_y - y} * width, width); }
+  LinearTexel& at(uint32_t at_x, uint32_t at_y) { return texels[size_t{at_y - y} * width + (at_x - x)]; }
 };
 
 // Texels around one tile or several, read from the picture; those beyond its border are the border's.
@@ -69,6 +87,7 @@ class ImageryMaker {
   struct Scratch {
     std::vector<Rgba> texels = std::vector<Rgba>(size_t{kTileSide} * kTileSide);
     std::vector<glm::dvec3> positions;
+    LinearWindow linear, halved;
   };
 
   // Leaves is_complete false if it was stopped.
@@ -83,6 +102,7 @@ class ImageryMaker {
         std::unique_ptr<LinearLevel> coarse;
         if (Status s = newLevel(l, coarse); !s.ok()) return s;
         halve(*level, *coarse);
+        if (!failure_.status().ok()) return failure_.status();
         level = std::move(coarse);
       }
       makeLevel(l, *level);
@@ -94,21 +114,25 @@ class ImageryMaker {
 
   Status newLevel(uint32_t l, std::unique_ptr<LinearLevel>& out) const {
     const uint32_t width = layer_.widthAt(l), height = layer_.heightAt(l);
-    auto file = NewFile::create(options_.target, sizeof(LinearTexel) * uint64_t{width} * height);
+    auto file = NewFile::create(options_.target, sizeof(LinearTexel) * uint64_t{width} * height, FileMapping::kNone);
     if (!file) return file.error();
     out.reset(new LinearLevel{width, height, std::move(file).value()});
     return {};
   }
 
-  void halve(const LinearLevel& fine, const LinearLevel& coarse) const {
-    const auto halveRow = [&](uint64_t row, unsigned) {
+  void halve(const LinearLevel& fine, const LinearLevel& coarse) {
+    const auto halveRow = [&](uint64_t row, unsigned worker) {
+      LinearWindow &from = scratch_[worker].linear, &to = scratch_[worker].halved;
       const auto y = static_cast<uint32_t>(row);
       const uint32_t north = std::min(2 * y + 1, fine.height - 1);
+      from.reset(0, 2 * y, fine.width, north - 2 * y + 1);
+      to.reset(0, y, coarse.width, 1);
+      if (!failure_.keep(fine.read(0, 2 * y, from.texels))) return;
       for (uint32_t x = 0; x < coarse.width; ++x) {
         const uint32_t east = std::min(2 * x + 1, fine.width - 1);
-        *coarse.at(x, y) =
-            meanOf(*fine.at(2 * x, 2 * y), *fine.at(east, 2 * y), *fine.at(2 * x, north), *fine.at(east, north));
+        to.at(x, y) = meanOf(from.at(2 * x, 2 * y), from.at(east, 2 * y), from.at(2 * x, north), from.at(east, north));
       }
+      failure_.keep(coarse.put(0, y, to.texels));
     };
     parallelFor(coarse.height, options_.threads, halveRow, [](uint64_t) { return true; });
   }
@@ -136,14 +160,23 @@ class ImageryMaker {
     window_.on = {x, y, width, height};
     window_.texels.resize(size_t{width} * height);
     if (Status s = picture_.read(window_.on, window_.texels); !s.ok()) return s;
+    const auto halfOf = [](uint32_t first, uint32_t count, uint32_t texels) {
+      return std::min(count * kTilePayload / 2, texels - first * kTilePayload / 2);
+    };
+    if (coarse != nullptr)
+      half_.reset(first_x * kTilePayload / 2, first_y * kTilePayload / 2, halfOf(first_x, columns, coarse->width),
+                  halfOf(first_y, rows, coarse->height));
     forTiles(uint64_t{columns} * rows, [&](uint64_t i, Scratch& scratch) {
       const TileId tile{layer_index_, 0, first_x + static_cast<uint32_t>(i % columns),
                         first_y + static_cast<uint32_t>(i / columns)};
       takeTexels(tile, scratch.texels, [&](int64_t tx, int64_t ty) { return window_.at(tx, ty); });
       covered_ += coveredOwn(tile, scratch.texels);
-      if (coarse != nullptr) putHalf(tile, scratch.texels, *coarse);
+      if (coarse != nullptr) putHalf(tile, scratch.texels);
       makeTile(tile, scratch);
     });
+    if (coarse == nullptr || !is_going_) return {};
+    for (uint32_t row = half_.y; row < half_.y + half_.height; ++row)
+      if (Status s = coarse->put(half_.x, row, half_.row(row)); !s.ok()) return s;
     return {};
   }
 
@@ -151,12 +184,26 @@ class ImageryMaker {
     const uint32_t columns = layer_.tilesX(l);
     forTiles(uint64_t{columns} * layer_.tilesY(l), [&](uint64_t i, Scratch& scratch) {
       const TileId tile{layer_index_, l, static_cast<uint32_t>(i % columns), static_cast<uint32_t>(i / columns)};
+      if (!failure_.keep(readAround(tile, level, scratch.linear))) return;
       takeTexels(tile, scratch.texels, [&](int64_t x, int64_t y) {
-        return toSrgb(*level.at(static_cast<uint32_t>(std::clamp<int64_t>(x, 0, level.width - 1)),
-                                static_cast<uint32_t>(std::clamp<int64_t>(y, 0, level.height - 1))));
+        return toSrgb(scratch.linear.at(static_cast<uint32_t>(std::clamp<int64_t>(x, 0, level.width - 1)),
+                                        static_cast<uint32_t>(std::clamp<int64_t>(y, 0, level.height - 1))));
       });
       makeTile(tile, scratch);
     });
+  }
+
+  // A tile's texels, those of its gutter that are there among them.
+  static Status readAround(const TileId& tile, const LinearLevel& level, LinearWindow& out) {
+    const auto low = [](uint32_t at) { return at * kTilePayload - std::min(at * kTilePayload, kTileGutter); };
+    const auto high = [](uint32_t at, uint32_t texels) {
+      return std::min((at + 1) * kTilePayload + kTileGutter, texels);
+    };
+    out.reset(low(tile.x), low(tile.y), high(tile.x, level.width) - low(tile.x),
+              high(tile.y, level.height) - low(tile.y));
+    for (uint32_t row = out.y; row < out.y + out.height; ++row)
+      if (Status s = level.read(out.x, row, out.row(row)); !s.ok()) return s;
+    return {};
   }
 
   template <class Work>
@@ -193,13 +240,13 @@ class ImageryMaker {
     return covered;
   }
   // Each tile's own texels are those of whole coarser ones, so tiles write apart.
-  void putHalf(const TileId& tile, const std::vector<Rgba>& texels, const LinearLevel& coarse) const {
+  void putHalf(const TileId& tile, const std::vector<Rgba>& texels) {
     const auto [width, height] = ownSize(tile);
     for (uint32_t y = 0; y < (height + 1) / 2; ++y)
       for (uint32_t x = 0; x < (width + 1) / 2; ++x) {
         const Rgba* south = &texels[size_t{2 * y + kTileGutter} * kTileSide + 2 * x + kTileGutter];
         const Rgba* north = south + kTileSide;
-        *coarse.at(tile.x * kTilePayload / 2 + x, tile.y * kTilePayload / 2 + y) =
+        half_.at(tile.x * kTilePayload / 2 + x, tile.y * kTilePayload / 2 + y) =
             meanOf(toLinear(south[0]), toLinear(south[1]), toLinear(north[0]), toLinear(north[1]));
       }
   }
@@ -208,7 +255,9 @@ class ImageryMaker {
     proto::TileBounds& bounds = bounds_[tileNumber(layer_, tile)];
     bool has_finer = false;
     if (tile.level == 0) {
-      bounds = boundsOf_(layer_.boxOf(tile), scratch.positions);
+      const auto found = boundsOf_(layer_.boxOf(tile), scratch.positions);
+      if (!failure_.keep(found ? Status() : Status(found.error()))) return;
+      bounds = *found;
     } else {
       std::vector<proto::TileBounds> children;
       for (uint32_t k = 0; k < 4; ++k) {
@@ -237,6 +286,7 @@ class ImageryMaker {
   std::vector<proto::TileBounds> bounds_;  // of all tiles, stored or not
   std::vector<Scratch> scratch_;           // by worker
   Window window_;
+  LinearWindow half_;  // of the level above what window_ shows
   ImageryReport report_;
   uint64_t done_ = 0;
   bool is_going_ = true;

@@ -2,8 +2,7 @@
 // lossy WebP. Tiles whose parent, enlarged, shows nearly the same are not stored, unless finer ones over them are. Uses
 // threads of its own while it runs; the result does not depend on their number.
 //
-// Memory: some 50 MB, and 16 bytes a tile. Coarser levels wait in a file without a name, 8/3 bytes a texel of the
-// finest.
+// Memory: some 50 MB, and 16 bytes a tile. Coarser levels wait in files without names, 2.5 bytes a texel of the finest.
 #pragma once
 
 #include <cstdint>
@@ -33,7 +32,8 @@ struct ImageryOptions {
 
 // Bounds of the ground over a rectangle of the lattice; may be called by several threads at once, each with scratch of
 // its own.
-using BoundsOf = std::function<proto::TileBounds(const proto::LatticeBox& box, std::vector<glm::dvec3>& scratch)>;
+using BoundsOf =
+    std::function<Result<proto::TileBounds>(const proto::LatticeBox& box, std::vector<glm::dvec3>& scratch)>;
 
 struct ImageryReport {
   bool is_complete = false;  // false if it was stopped

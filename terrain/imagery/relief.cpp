@@ -130,7 +130,7 @@ class ReliefMaker {
   bool addRow(uint8_t level, uint32_t tile_y, const Band<T>& band) {
     std::optional<GroundBounds> ground;
     if constexpr (std::is_same_v<T, int32_t>)
-      ground.emplace(Heights{band.values, band.width, band.height, 0, band.first}, frame_);
+      ground.emplace(HeightsByWindow::of({band.values, band.width, band.height, 0, band.first}), frame_);
     const uint32_t count = layer_.tilesX(level);
     std::vector<Scratch> scratch(threadCount(threads_));
     const bool complete = parallelFor(
@@ -141,7 +141,7 @@ class ReliefMaker {
               layer_, tile, frame_.height_quantum_m, [&](uint32_t at_x, uint32_t at_y) { return band.row(at_y)[at_x]; },
               scratch[worker].steps);
           const proto::TileBounds bounds =
-              ground ? ground->over(layer_.boxOf(tile), scratch[worker].positions) : boundsOf(tile);
+              ground ? ground->over(layer_.boxOf(tile), scratch[worker].positions).value() : boundsOf(tile);
           failure_.keep(section_.add(tile, proto::encodeRelief(scratch[worker].steps), bounds, 0));
         },
         [&](uint64_t done) { return keepGoing_(static_cast<double>(done_ + done) / static_cast<double>(all_)); });

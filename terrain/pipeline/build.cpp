@@ -12,7 +12,6 @@
 #include "terrain/parallel.h"
 #include "terrain/pipeline/scene_parts.h"
 #include "terrain/pipeline/sparse_source.h"
-#include "terrain/store/bilinear.h"
 #include "terrain/store/scene_writer.h"
 
 namespace foreland::terrain {
@@ -142,37 +141,16 @@ Status addEpochs(const std::vector<EpochSamples>& epochs, EpochLayers& layers, c
   return {};
 }
 
-// Reports a stage's progress.
-KeepGoing stage(const Progress& progress, std::string_view name) {
-  progress.report(name, 0);
-  return [&progress, name](double fraction) {
-    progress.report(name, fraction);
-    return progress.keepGoing();
-  };
-}
-
-// Of the ground at all times.
-BoundsOf boundsOver(const Terrain& terrain) {
-  if (!terrain.epochs)
-    return [ground = std::make_shared<const GroundBounds>(terrain.heights, terrain.frame)](
-               const proto::LatticeBox& box, std::vector<glm::dvec3>& scratch) { return ground->over(box, scratch); };
-  const auto lowest = std::make_shared<const GroundBounds>(terrain.epochs->lowest(), terrain.frame),
-             highest = std::make_shared<const GroundBounds>(terrain.epochs->highest(), terrain.frame);
-  return [lowest, highest](const proto::LatticeBox& box, std::vector<glm::dvec3>& scratch) {
-    const proto::TileBounds low = lowest->over(box, scratch), high = highest->over(box, scratch);
+BoundsOf boundsAtAllTimes(const Terrain& terrain) {
+  if (!terrain.epochs) return boundsOver(HeightsByWindow::of(terrain.heights), terrain.frame);
+  return [lowest = boundsOver(HeightsByWindow::of(terrain.epochs->lowest()), terrain.frame),
+          highest = boundsOver(HeightsByWindow::of(terrain.epochs->highest()), terrain.frame)](
+             const proto::LatticeBox& box, std::vector<glm::dvec3>& scratch) -> Result<proto::TileBounds> {
+    const auto low = lowest(box, scratch), high = highest(box, scratch);
+    if (!low || !high) return low ? high : low;
     // Normals of the ground at other times are not known, so the cone holds all.
-    return proto::TileBounds{low.lowest_m, high.highest_m, {0, 0, 0}, 255};
+    return proto::TileBounds{low->lowest_m, high->highest_m, {0, 0, 0}, 255};
   };
-}
-
-Result<ImageryReport> makeImagery(const Terrain& terrain, const BuildOptions& options, const Progress& progress,
-                                  SceneOrigin& origin, TileSection& section) {
-  const ImageryOptions how{options.imagery_quality, options.attribution, options.output, options.threads};
-  auto report = addImagery(*options.picture, boundsOver(terrain), how, stage(progress, "imagery"), section);
-  if (!report) return report;
-  if (!report->is_complete) return stopped();
-  describePicture(options.picture->info().notes, *report, origin);
-  return report;
 }
 
 // Relief, unless the scene changes in time: it holds one ground only.
@@ -208,13 +186,6 @@ Status bound(const Terrain& terrain, unsigned threads, const SceneWriter& writer
            }});
   if (!failure.status().ok()) return failure.status();
   return complete ? Status() : Status(stopped());
-}
-
-// Bilinear height of the ground in metres at a lattice position; nothing outside the data.
-std::optional<double> groundAt(const Heights& heights, const proto::Frame& frame, double x, double y) {
-  if (!(x >= 0 && y >= 0 && x <= heights.width - 1.0 && y <= heights.height - 1.0)) return std::nullopt;
-  const auto at = [&](uint32_t at_x, uint32_t at_y) { return heights.row(at_y)[at_x]; };
-  return bilinear(heights.width, heights.height, x, y, at) * frame.height_quantum_m;
 }
 
 Status checkOptions(const BuildOptions& options) {
@@ -258,7 +229,7 @@ Result<BuildReport> buildScene(ElevationSource& source, const BuildOptions& opti
   auto dates = datesOf(options, grid->shape());
   if (!dates) return dates.error();
   auto objects = makeObjectSection(options.objects, frame, *dates,
-                                   [&](double x, double y) { return groundAt(heights, frame, x, y); });
+                                   groundOf(info, frame, [&](uint32_t x, uint32_t y) { return heights.row(y)[x]; }));
   if (!objects.ok()) return objects.error();
   std::optional<EpochLayers> layers;
   if (!epochs->empty()) {
@@ -272,7 +243,9 @@ Result<BuildReport> buildScene(ElevationSource& source, const BuildOptions& opti
   if (Status s = makeRelief(terrain, options, progress, *tiles); !s.ok()) return s.error();
   ImageryReport imagery;
   if (options.picture) {
-    auto made = makeImagery(terrain, options, progress, origin, *tiles);
+    auto made = addPicture(*options.picture, boundsAtAllTimes(terrain),
+                           {options.imagery_quality, options.attribution, options.output, options.threads}, progress,
+                           origin, *tiles);
     if (!made) return made.error();
     imagery = *made;
   }

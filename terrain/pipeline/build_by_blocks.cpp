@@ -33,6 +33,7 @@ Status makeBlocks(const BlockPlan& plan, const ElevationInfo& info, const Blocks
 }  // namespace
 
 Result<BuildReport> buildByBlocks(ElevationSource& input, const WindowedOptions& options, const Progress& progress) {
+  if (Status s = checkAdditions(input.info(), options.additions); !s.ok()) return s.error();
   std::filesystem::path folder = options.output;
   folder += ".blocks";
   std::error_code error;
@@ -66,7 +67,7 @@ Result<BuildReport> buildByBlocks(ElevationSource& input, const WindowedOptions&
         return progress.keepGoing() ? Status() : Status(stopped());
       });
   if (!made.ok()) return made.error();
-  auto built = mergeBlocks(source, *plan, {folder, options.output, options.threads}, progress);
+  auto built = mergeBlocks(source, *plan, {folder, options.output, options.threads, options.additions}, progress);
   if (built) std::filesystem::remove_all(folder, error);
   return built;
 }

@@ -7,6 +7,7 @@
 #include "base/result.h"
 #include "terrain/pipeline/block_plan.h"
 #include "terrain/pipeline/build.h"
+#include "terrain/pipeline/merge_blocks.h"
 
 namespace foreland::terrain {
 
@@ -14,6 +15,7 @@ struct WindowedOptions {
   PlanOptions plan;  // its voids wait with the blocks
   std::filesystem::path output;
   unsigned threads = 0;
+  SceneAdditions additions{};
 };
 
 // In memory as PlanOptions has it, and as merge_blocks.h says. Blocks are kept in the folder "OUTPUT.blocks"

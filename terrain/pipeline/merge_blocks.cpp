@@ -66,6 +66,8 @@ class Merge {
         coarse_nodes_(coarse_grid_.slotCount()) {}
 
   Result<BuildReport> run() {
+    auto objects = makeObjects();
+    if (!objects) return objects.error();
     if (Status s = addCoarseHeights(); !s.ok()) return s.error();
     if (Status s = addRadii(); !s.ok()) return s.error();
     auto tiles = TileSection::create(options_.output);
@@ -77,12 +79,16 @@ class Merge {
                        .voids_filled = info_.voids_filled + plan_.voids_filled};
     for (const std::string& note : {plan_.quantum_note, plan_.voids_note})
       if (!note.empty()) origin.notes.push_back(note);
+    if (Status s = addPicture(*tiles, origin); !s.ok()) return s.error();
     auto writer = SceneWriter::create(options_.output,
                                       {.shape = grid_.shape(),
                                        .frame = plan_.frame,
                                        .heights = plan_.range,
                                        .origin = origin,
+                                       .objects = std::move(*objects),
                                        .datum = datumOf(info_.vertical, info_.inputs, plan_.frame.height_quantum_m),
+                                       .page_coding = options_.additions.page_coding,
+                                       .threads = options_.threads,
                                        .tiles = &*tiles,
                                        .mapping = FileMapping::kNone});
     if (!writer) return writer.error();
@@ -163,37 +169,63 @@ class Merge {
 
   Status addRelief(TileSection& tiles) {
     const HeightRows rows{info_.width, info_.height, [&](uint32_t first, uint32_t count, std::span<int32_t> out) {
-                            return readRows(first, count, out);
+                            return readHeights({0, first, info_.width, count}, out);
                           }};
-    const auto keepGoing = [&](double fraction) {
-      progress_.report("relief", fraction);
-      return progress_.keepGoing();
-    };
-    progress_.report("relief", 0);
-    const auto made = terrain::addRelief(rows, plan_.frame, options_.threads, keepGoing, tiles);
+    const auto made = terrain::addRelief(rows, plan_.frame, options_.threads, stage(progress_, "relief"), tiles);
     if (!made) return made.error();
     return *made ? Status() : Status(stopped());
   }
 
-  Status readRows(uint32_t first, uint32_t count, std::span<int32_t> out) const {
-    std::vector<BlockPoint> part(size_t{1} << blocks_.log2);
-    for (uint32_t done = 0; done < count;) {
-      const uint32_t row = std::min((first + done) >> blocks_.log2, blocks_.rows() - 1),
-                     end = row + 1 == blocks_.rows() ? count : std::min(count, ((row + 1) << blocks_.log2) - first);
-      for (uint32_t column = 0; column < blocks_.columns() && column << blocks_.log2 < info_.width; ++column) {
-        const auto block = open(column, row);
-        if (!block) return block.error();
-        const uint32_t x = column << blocks_.log2;
-        // The last block has the far border, too.
-        const uint32_t width =
-            column + 1 == blocks_.columns() ? info_.width - x : std::min(1u << blocks_.log2, info_.width - x);
-        part.resize(width);
-        for (uint32_t i = done; i < end; ++i) {
-          if (Status s = block->row(first + i, x, part); !s.ok()) return s;
-          for (uint32_t k = 0; k < width; ++k) out[size_t{i} * info_.width + x + k] = part[k].height();
-        }
-      }
-      done = end;
+  // They stand on what blocks say of the samples around them.
+  Result<Bytes> makeObjects() const {
+    FirstFailure failure;
+    const auto ground = groundOf(info_, plan_.frame, [&](uint32_t x, uint32_t y) {
+      int32_t height = 0;
+      failure.keep(readHeights({x, y, 1, 1}, {&height, 1}));
+      return height;
+    });
+    auto section = makeObjectSection(options_.additions.objects, plan_.frame, proto::Epochs(), ground);
+    if (!failure.status().ok()) return failure.status().error();
+    return section;
+  }
+
+  Status addPicture(TileSection& tiles, SceneOrigin& origin) {
+    const SceneAdditions& with = options_.additions;
+    if (!with.picture) return {};
+    const BoundsOf boundsOf =
+        boundsOver({info_.width, info_.height,
+                    [&](const SampleWindow& window, std::span<int32_t> out) { return readHeights(window, out); }},
+                   plan_.frame);
+    const auto made = terrain::addPicture(*with.picture, boundsOf,
+                                          {with.imagery_quality, with.attribution, options_.output, options_.threads},
+                                          progress_, origin, tiles);
+    if (!made) return made.error();
+    imagery_ = *made;
+    return {};
+  }
+
+  // Of samples, row by row. Any thread.
+  Status readHeights(const SampleWindow& window, std::span<int32_t> out) const {
+    const auto first = [&](uint32_t at, uint32_t count) { return std::min(at >> blocks_.log2, count - 1); };
+    const uint32_t last_x = window.x + window.width - 1, last_y = window.y + window.height - 1;
+    for (uint32_t row = first(window.y, blocks_.rows()); row <= first(last_y, blocks_.rows()); ++row)
+      for (uint32_t column = first(window.x, blocks_.columns()); column <= first(last_x, blocks_.columns()); ++column)
+        if (Status s = readPart(column, row, window, out); !s.ok()) return s;
+    return {};
+  }
+  // What of a window is in a block.
+  Status readPart(uint32_t column, uint32_t row, const SampleWindow& window, std::span<int32_t> out) const {
+    const auto block = open(column, row);
+    if (!block) return block.error();
+    const ErrorWindow own = blocks_.own(column, row);
+    const uint32_t x = std::max(window.x, own.low_x), end_x = std::min(window.x + window.width, own.high_x + 1),
+                   end_y = std::min(window.y + window.height, own.high_y + 1);
+    std::vector<BlockPoint> part(end_x - x);
+    for (uint32_t y = std::max(window.y, own.low_y); y < end_y; ++y) {
+      if (Status s = block->row(y, x, part); !s.ok()) return s;
+      std::ranges::transform(part,
+                             out.begin() + static_cast<ptrdiff_t>(size_t{y - window.y} * window.width + x - window.x),
+                             &BlockPoint::height);
     }
     return {};
   }
@@ -336,7 +368,7 @@ class Merge {
             .lowest_m = plan_.range.lowest * quantum_m,
             .highest_m = plan_.range.highest * quantum_m,
             .epochs = {},
-            .imagery = {},
+            .imagery = imagery_,
             .warnings = source_.warnings()};
   }
 
@@ -356,10 +388,25 @@ class Merge {
   std::vector<QuantisedError> raw_errors_;  // by coarse slot
   std::vector<NodeRecord> coarse_nodes_;
   std::vector<std::vector<QuantisedRadius>> radii_;  // by fine level and page
-  std::mutex mutex_;                                 // of raw_errors_
+  ImageryReport imagery_;
+  std::mutex mutex_;  // of raw_errors_
 };
 
 }  // namespace
+
+Status checkAdditions(const ElevationInfo& ground, const SceneAdditions& additions) {
+  for (const ObjectRequest& object : additions.objects) {
+    const auto model = MappedSurface::open(object.model);
+    if (!model) return model.error();
+    if (!(*model)->poseTimes().empty())
+      return Error{ErrorCode::kUnsupported, object.model.string() +
+                                                ": has poses at several dates, and a scene that changes in time is not "
+                                                "made by blocks yet; foreland build makes it at once"};
+  }
+  const auto made = makeObjectSection(additions.objects, ground.frame, proto::Epochs(),
+                                      groundOf(ground, ground.frame, [](uint32_t, uint32_t) { return 0; }));
+  return made ? Status() : Status(made.error());
+}
 
 Result<BuildReport> mergeBlocks(const ElevationSource& source, const BlockPlan& plan, const MergeOptions& options,
                                 const Progress& progress) {

@@ -1,11 +1,13 @@
 // The reduction of a plan's blocks to a scene file: what they share, what is coarser than all of them, relief, and the
 // file, the same bytes that buildScene() writes of the source. One caller; uses threads of its own while it runs.
 //
-// Memory: about a sixteenth of a byte a sample, a kilobyte for each column of the lattice, and ten bytes for each
-// sample of a block and each thread.
+// Memory: about a sixteenth of a byte a sample, a kilobyte for each column of the lattice, ten bytes for each sample of
+// a block and each thread, and what pictures (terrain/imagery/imagery.h), coded pages and models take.
 #pragma once
 
 #include <filesystem>
+#include <string>
+#include <vector>
 
 #include "base/result.h"
 #include "terrain/pipeline/block_plan.h"
@@ -13,10 +15,24 @@
 
 namespace foreland::terrain {
 
+// What a scene has beside its ground, and how its pages stand in the file: as BuildOptions has it.
+struct SceneAdditions {
+  PageCoding page_coding = PageCoding::kPlain;
+  std::vector<ObjectRequest> objects{};
+  PictureSource* picture = nullptr;
+  int imagery_quality = kDefaultImageryQuality;
+  std::string attribution{};
+};
+
+// An Error names the object that cannot stand on the ground, or whose poses would need a scene that changes in time. Of
+// heights nothing is asked, so it may come before blocks.
+[[nodiscard]] Status checkAdditions(const ElevationInfo& ground, const SceneAdditions& additions);
+
 struct MergeOptions {
   std::filesystem::path blocks;  // the folder of their files
   std::filesystem::path output;
   unsigned threads = 0;  // 0: one per processor
+  SceneAdditions additions{};
 };
 
 // An Error names the block that is missing, damaged or another one.

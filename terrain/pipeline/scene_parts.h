@@ -1,12 +1,19 @@
 // What builders of whole and of sparse scenes share. Pure; any thread.
 #pragma once
 
+#include <memory>
+#include <optional>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "terrain/elevation_source.h"
+#include "terrain/imagery/ground_bounds.h"
 #include "terrain/imagery/imagery.h"
 #include "terrain/picture_source.h"
+#include "terrain/pipeline/build.h"
+#include "terrain/store/bilinear.h"
 #include "terrain/store/scene.h"
 #include "terrain/store/scene_writer.h"
 #include "terrain/store/tables/datum_section.h"
@@ -59,6 +66,32 @@ void fillBase(const proto::GridShape& shape, const HeightAt& heightAt, SceneWrit
     for (uint32_t x = 0; x < shape.roots_x; ++x) *centre++ = heightAt(x * size + half, y * size + half);
 }
 
+// Reports a stage's progress.
+inline KeepGoing stage(const Progress& progress, std::string_view name) {
+  progress.report(name, 0);
+  return [&progress, name](double fraction) {
+    progress.report(name, fraction);
+    return progress.keepGoing();
+  };
+}
+
+// What tells objects the ground's height in metres at a lattice position, nothing outside the data: bilinear between
+// the samples, of which at(x, y) knows the quanta.
+template <class At>
+auto groundOf(const ElevationInfo& info, const proto::Frame& frame, const At& at) {
+  return [width = info.width, height = info.height, quantum_m = frame.height_quantum_m, at](
+             double x, double y) -> std::optional<double> {
+    if (!(x >= 0 && y >= 0 && x <= width - 1.0 && y <= height - 1.0)) return std::nullopt;
+    return bilinear(width, height, x, y, at) * quantum_m;
+  };
+}
+
+// What tells tiles of pictures the bounds of the ground below them.
+inline BoundsOf boundsOver(HeightsByWindow heights, const proto::Frame& frame) {
+  return [ground = std::make_shared<const GroundBounds>(std::move(heights), frame)](
+             const proto::LatticeBox& box, std::vector<glm::dvec3>& scratch) { return ground->over(box, scratch); };
+}
+
 // Samples that stayed where they were differ by rounding alone; that comes to what others differ by.
 inline SceneDatum datumOf(const proto::VerticalDatum& vertical, const std::vector<ElevationInput>& inputs,
                           double height_quantum_m) {
@@ -78,6 +111,15 @@ inline void describePicture(const std::vector<std::string>& notes, const Imagery
   if (report.covered < 1)
     origin.notes.push_back("pictures cover " + std::to_string(static_cast<int>(report.covered * 100)) +
                            " % of the scene; the rest fades from what is nearest to it");
+}
+
+inline Result<ImageryReport> addPicture(PictureSource& picture, const BoundsOf& boundsOf, const ImageryOptions& options,
+                                        const Progress& progress, SceneOrigin& origin, TileSection& section) {
+  auto report = addImagery(picture, boundsOf, options, stage(progress, "imagery"), section);
+  if (!report) return report;
+  if (!report->is_complete) return stopped();
+  describePicture(picture.info().notes, *report, origin);
+  return report;
 }
 
 }  // namespace foreland::terrain

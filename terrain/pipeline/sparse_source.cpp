@@ -51,20 +51,12 @@ class Completion {
   const ImageryReport& imagery() const { return imagery_; }
 
  private:
-  KeepGoing stage(std::string_view name) const {
-    progress_.report(name, 0);
-    return [this, name](double fraction) {
-      progress_.report(name, fraction);
-      return progress_.keepGoing();
-    };
-  }
-
   Status addTiles(const StoredHeights& ground, SceneWriter::About& about) {
     auto tiles = TileSection::create(options_.output);
     if (!tiles) return tiles.error();
     tiles_.emplace(std::move(*tiles));
     const SparseGroundBounds bounds(ground, frame_);
-    const auto relief = addSparseRelief(ground, bounds, frame_, options_.threads, stage("relief"), *tiles_);
+    const auto relief = addSparseRelief(ground, bounds, frame_, options_.threads, stage(progress_, "relief"), *tiles_);
     if (!relief) return relief.error();
     if (!*relief) return stopped();
     if (options_.picture != nullptr)
@@ -75,12 +67,12 @@ class Completion {
 
   Status addPicture(const SparseGroundBounds& bounds, SceneOrigin& origin) {
     const BoundsOf boundsOf = [&](const proto::LatticeBox& box, std::vector<glm::dvec3>&) { return bounds.over(box); };
-    const ImageryOptions how{options_.imagery_quality, options_.attribution, options_.output, options_.threads};
-    const auto report = addImagery(*options_.picture, boundsOf, how, stage("imagery"), *tiles_);
+    const auto report =
+        terrain::addPicture(*options_.picture, boundsOf,
+                            {options_.imagery_quality, options_.attribution, options_.output, options_.threads},
+                            progress_, origin, *tiles_);
     if (!report) return report.error();
-    if (!report->is_complete) return stopped();
     imagery_ = *report;
-    describePicture(options_.picture->info().notes, imagery_, origin);
     return {};
   }
 

@@ -17,6 +17,11 @@ ByteSpan bytesOf(std::span<const T> values) {
   return {reinterpret_cast<const uint8_t*>(values.data()), values.size_bytes()};
 }
 
+template <class T>
+std::span<uint8_t> writableBytesOf(std::span<T> values) {
+  return {reinterpret_cast<uint8_t*>(values.data()), values.size_bytes()};
+}
+
 // The oldest that holds it, so that a scene has the bytes that it always had.
 uint32_t versionFor(const SceneWriter::About& about, bool is_stated) {
   if (about.page_coding == PageCoding::kCoded) return kFormatVersion;
@@ -113,15 +118,32 @@ Result<uint64_t> SceneWriter::finish() {
   return sealFile(file_, layout_.sections[kChecksums], header_);
 }
 
-// Everything but the pages is copied to another file, and the first one is given up.
+Status SceneWriter::copyPart(const SectionRange& from, const NewFile& to, uint64_t offset) const {
+  constexpr uint64_t kPiece = 1u << 22;
+  Bytes piece;
+  for (uint64_t at = 0; at < from.bytes; at += kPiece) {
+    piece.resize(std::min(kPiece, from.bytes - at));
+    if (Status s = file_.read(from.offset + at, piece); !s.ok()) return s;
+    if (Status s = to.put(offset + at, piece); !s.ok()) return s;
+  }
+  return {};
+}
+
+// Everything but the pages is copied to another file, and the first one is given up. All of it goes piece by piece,
+// whether the file is mapped or not.
 Result<uint64_t> SceneWriter::finishCoded() {
   const auto grid = proto::GridTopology::create(header_.shape());
   CHECK_TRUE(grid.ok());
-  const auto directory = proto::PageDirectory::create(*grid, sectionOf<proto::PageBlock>(file_.span(), header_.pages));
+  std::vector<proto::PageBlock> blocks(header_.pages.bytes / sizeof(proto::PageBlock));
+  if (Status s = file_.read(header_.pages.offset, writableBytesOf(std::span(blocks))); !s.ok()) return s.error();
+  const auto directory = proto::PageDirectory::create(*grid, blocks);
   CHECK_TRUE(directory.ok());
   const proto::Frame frame = getFrame(header_);
-  const CodedTerrain terrain{*grid, *directory, nodes(), {corners_, centres_}, frame};
-  const auto pages = CodedPagesWriter::create(terrain, target_, threads_);
+  const CodedTerrain terrain{*grid, *directory, {}, {corners_, centres_}, frame};
+  const auto read = [&](uint64_t first, std::span<NodeRecord> out) {
+    return file_.read(layout_.sections[kNodes].offset + first * sizeof(NodeRecord), writableBytesOf(out));
+  };
+  const auto pages = CodedPagesWriter::create(terrain, read, target_, threads_);
   if (!pages.ok()) return pages.error();
   const FileLayout coded = FileLayout::of(grid->shape(), *directory,
                                           {.text = layout_.sections[kText].bytes,
@@ -130,17 +152,17 @@ Result<uint64_t> SceneWriter::finishCoded() {
                                            .tiles = layout_.tiles.bytes,
                                            .datum = layout_.datum.bytes,
                                            .coded_pages = pages->bytes()});
-  auto file = NewFile::create(target_, coded.file_bytes);
+  auto file = NewFile::create(target_, coded.file_bytes, FileMapping::kNone);
   if (!file.ok()) return file.error();
-  const auto copy = [&](const SectionRange& from, const SectionRange& to) {
-    return file->put(to.offset, file_.span().subspan(from.offset, from.bytes));
-  };
+  const auto copy = [&](const SectionRange& from, const SectionRange& to) { return copyPart(from, *file, to.offset); };
   for (const SectionKind kind : {kText, kCorners, kCentres, kObjects})
     if (Status s = copy(layout_.sections[kind], coded.sections[kind]); !s.ok()) return s.error();
   for (const auto part : {&FileLayout::epochs, &FileLayout::tiles, &FileLayout::datum, &FileLayout::pages})
     if (Status s = copy(layout_.*part, coded.*part); !s.ok()) return s.error();
-  const SectionRange& nodes = coded.sections[kNodes];
-  if (Status s = pages->write({file->data() + nodes.offset, nodes.bytes}); !s.ok()) return s.error();
+  const auto put = [&](uint64_t offset, ByteSpan what) {
+    return file->put(coded.sections[kNodes].offset + offset, what);
+  };
+  if (Status s = pages->write(put); !s.ok()) return s.error();
   layout_ = coded;
   header_.file_bytes = coded.file_bytes;
   std::ranges::copy(coded.sections, header_.sections);

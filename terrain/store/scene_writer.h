@@ -65,6 +65,7 @@ class SceneWriter {
         corners_(layout.sections[kCorners].bytes / sizeof(int32_t)),
         centres_(layout.sections[kCentres].bytes / sizeof(int32_t)) {}
   Status putBases() const;
+  Status copyPart(const SectionRange& from, const NewFile& to, uint64_t offset) const;
   Result<uint64_t> finishCoded();
 
   std::filesystem::path target_;

@@ -9,6 +9,7 @@
 #include "tests/apps/expect_refusal.h"
 #include "tests/support/files.h"
 #include "tests/support/program.h"
+#include "tests/support/surface_file.h"
 
 namespace foreland::test {
 namespace {
@@ -78,6 +79,123 @@ TEST_F(BlocksProgram, AWholeWorldStandsInAFile) {
   expectRefusal("build", {"--config", world, "-o", scene()}, {"globe", "true or false"});
   write("globe = false\nsea = true\nINPUT = ['" + input() + "']\n");
   expectRefusal("build", {"--config", world, "-o", scene()}, {"--sea", "--globe"});
+}
+
+// A scene with all that there is beside the ground.
+class BlocksOfADressedScene : public BlocksProgram {
+ protected:
+  void SetUp() override {
+    BlocksProgram::SetUp();
+    writePicture('x');
+    writeSphere(model());
+  }
+  void writePicture(char colour) const {
+    std::string texels(55 * 27, '\0');
+    for (size_t i = 0; i < texels.size(); ++i) texels[i] = static_cast<char>(i * 37 % 200 + (i == 700 ? colour : 0));
+    std::ofstream(picture(), std::ios::binary) << "P5 55 27 255\n" << texels;
+  }
+  std::string picture() const { return folder_ / "picture.pgm"; }
+  std::string model() const { return folder_ / "sphere.fls"; }
+  std::vector<std::string> dressed(const std::vector<std::string>& more) const {
+    std::vector<std::string> words{input(),
+                                   "--frame",
+                                   "planar",
+                                   "--pages",
+                                   "coded",
+                                   "--object",
+                                   model() + "@5000,2600,3,45",
+                                   "--imagery",
+                                   picture(),
+                                   "--imagery-quality",
+                                   "60",
+                                   "--attribution",
+                                   "me"};
+    words.insert(words.end(), more.begin(), more.end());
+    return words;
+  }
+  void planAndBlocks() const {
+    succeed("plan", dressed({"-o", plan()}));
+    succeed("block", {plan(), "0", "1", "-o", blocks()});
+  }
+};
+
+TEST_F(BlocksOfADressedScene, GiveTheSceneThatBuildMakes) {
+  succeed("build", dressed({"-o", folder_ / "whole.fls"}));
+  succeed("build", dressed({"--memory", "1", "-o", folder_ / "windowed.fls"}));
+  planAndBlocks();
+  const ProgramResult merged = runProgram("merge", {plan(), blocks(), "-o", scene()});
+  EXPECT_EQ(merged.exit_code, 0) << merged.output;
+  for (const char* said : {"note: picture.pgm: it has no georeference", "imagery: ", "0 voids filled"})
+    EXPECT_NE(merged.output.find(said), std::string::npos) << said << " is not in: " << merged.output;
+  EXPECT_TRUE(slurp(scene()) == slurp(folder_ / "whole.fls"));
+  EXPECT_TRUE(slurp(scene()) == slurp(folder_ / "windowed.fls"));
+  const ProgramResult info = runProgram("info", {scene()});
+  for (const char* words : {"coded", "imagery    69 x 34 texels", "by       me", "sphere"})
+    EXPECT_NE(info.output.find(words), std::string::npos) << words << " is not in: " << info.output;
+  EXPECT_EQ(runProgram("verify", {scene()}).exit_code, 0);
+}
+
+// Blocks are of elevation alone: they ask for no picture, and have the names that they have without.
+TEST_F(BlocksOfADressedScene, HaveTheBlocksOfTheGround) {
+  makePlan();
+  succeed("block", {plan(), "0", "1", "-o", blocks()});
+  succeed("plan", dressed({"-o", plan()}));
+  fs::rename(picture(), folder_ / "elsewhere.pgm");
+  succeed("block", {plan(), "0", "1", "-o", blocks()});
+  EXPECT_EQ(filesIn(blocks()), 2u);
+  expectRefusal("merge", {plan(), blocks(), "-o", scene()}, {"picture.pgm"});
+  fs::rename(folder_ / "elsewhere.pgm", picture());
+  succeed("merge", {plan(), blocks(), "-o", scene()});
+}
+
+TEST_F(BlocksOfADressedScene, NeedANewPlanWhenAPictureOrAModelChanges) {
+  planAndBlocks();
+  writePicture('y');
+  expectRefusal("merge", {plan(), blocks(), "-o", scene()}, {"picture.pgm", "plan.json", "make the plan again"});
+  EXPECT_FALSE(fs::exists(scene()));
+  planAndBlocks();
+  EXPECT_EQ(filesIn(blocks()), 2u);
+  succeed("merge", {plan(), blocks(), "-o", scene()});
+  succeed("build", dressed({"-o", folder_ / "whole.fls"}));
+  EXPECT_TRUE(slurp(scene()) == slurp(folder_ / "whole.fls"));
+  writeGrowingSphere(model(), Time::seconds(0), Time::seconds(1));
+  expectRefusal("merge", {plan(), blocks(), "-o", scene()}, {"sphere.fls", "make the plan again"});
+}
+
+TEST_F(BlocksOfADressedScene, StandInAFileForPlanAndBuild) {
+  const std::string world = folder_ / "WORLD.toml";
+  const auto write = [&](const std::string& more) {
+    std::ofstream(world) << "INPUT = ['" << input() << "']\nframe = 'planar'\npages = 'coded'\nobject = ['" << model()
+                         << "@5000,2600,3,45']\nimagery = ['" << picture()
+                         << "']\nimagery-quality = 60\nattribution = 'me'\n"
+                         << more;
+  };
+  write("");
+  succeed("plan", dressed({"-o", folder_ / "again.json"}));
+  succeed("plan", {"--config", world, "-o", plan()});
+  EXPECT_TRUE(slurp(plan()) == slurp(folder_ / "again.json"));
+  write("epoch = ['2000-01-01=" + input() + "']\n");
+  expectRefusal("plan", {"--config", world, "-o", plan()}, {"--epoch", "foreland build"});
+}
+
+TEST_F(BlocksOfADressedScene, AreRefusedBeforeHoursAreSpent) {
+  const auto refused = [&](const std::vector<std::string>& options, const std::vector<std::string>& words) {
+    std::vector<std::string> all{input(), "--frame", "planar", "-o", plan()};
+    all.insert(all.end(), options.begin(), options.end());
+    expectRefusal("plan", all, words);
+    EXPECT_FALSE(fs::exists(plan()));
+  };
+  refused({"--globe"}, {"--globe", "foreland build"});
+  refused({"--sea"}, {"--sea", "foreland build"});
+  refused({"--threads", "2"}, {"--threads", "foreland merge"});
+  refused({"--epoch", "2000-01-01=" + input()}, {"--epoch", "foreland build"});
+  refused({"--imagery", input()}, {"hills.asc"});
+  refused({"--imagery-quality", "50"}, {"--imagery-quality"});
+  refused({"--object", model() + "@1e9,2"}, {"sphere.fls", "beyond the data"});
+  refused({"--object", "sphere.fls"}, {"sphere.fls"});
+  writeGrowingSphere(model(), Time::seconds(0), Time::seconds(1));
+  refused({"--object", model() + "@5000,2600"}, {"sphere.fls", "poses", "foreland build"});
+  expectRefusal("plan", dressed({"-o", picture()}), {"picture.pgm", "one of the inputs"});
 }
 
 TEST_F(BlocksProgram, AChangedInputNeedsANewPlanAndOnlyItsBlocks) {

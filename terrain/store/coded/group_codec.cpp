@@ -36,17 +36,19 @@ Slot slotOfPage(const CodedTerrain& terrain, uint64_t page) {
   return found;
 }
 
-// The records of nodes while a group is coded: those of the group itself are `own`.
+// The records of nodes while a group is coded: those of the group itself are `own`, and earlier(place) knows those
+// before it.
+template <class Earlier>
 class GroupNodes {
  public:
-  GroupNodes(const CodedTerrain& terrain, uint64_t first, std::span<const NodeRecord> own)
-      : terrain_(terrain), first_(first), own_(own) {}
+  GroupNodes(const CodedTerrain& terrain, const Earlier& earlier, uint64_t first, std::span<const NodeRecord> own)
+      : terrain_(terrain), earlier_(earlier), first_(first), own_(own) {}
   const NodeRecord& at(Slot slot) const {
     static constexpr NodeRecord kNone{};
     const uint64_t place = terrain_.directory.placeOf(slot);
     if (place - first_ < own_.size()) return own_[place - first_];
     // Only of a damaged directory a node is there whose parent's page is not, or comes later.
-    return place < first_ ? terrain_.records[place] : kNone;
+    return place < first_ ? earlier_(place) : kNone;
   }
   VertexHeight find(NodeId v) const {
     const int level = terrain_.grid.level(v);
@@ -56,6 +58,7 @@ class GroupNodes {
 
  private:
   const CodedTerrain& terrain_;
+  const Earlier& earlier_;
   uint64_t first_;
   std::span<const NodeRecord> own_;
 };
@@ -89,7 +92,8 @@ class GroupCoder {
         quantum_halves_(QuantisedError::roundUp(quantum_m_).value) {}
 
   // `records` are those of the page; a decoder fills them. `nodes` knows those before it.
-  void codePage(Slot first, const GroupNodes& nodes, std::span<NodeRecord> records, bool is_encoder) {
+  template <class Nodes>
+  void codePage(Slot first, const Nodes& nodes, std::span<NodeRecord> records, bool is_encoder) {
     const int level = levelOf(first);
     const bool is_verbatim =
         coder_.code(model_.is_verbatim[was_verbatim_ ? 1 : 0], is_encoder && !isAsBuilt(first, level, nodes, records));
@@ -115,7 +119,8 @@ class GroupCoder {
  private:
   int levelOf(Slot first) const { return terrain_.grid.pagePlace(first).level; }
 
-  Known knownOf(const GroupNodes& nodes, NodeId n, int level) const {
+  template <class Nodes>
+  Known knownOf(const Nodes& nodes, NodeId n, int level) const {
     Known known = Known::of(proto::PredictionContext::find(terrain_.grid, nodes, n, level), level);
     const proto::GridShape& shape = terrain_.grid.shape();
     if (shape.is_cube) return known;
@@ -127,7 +132,8 @@ class GroupCoder {
   }
 
   // Whether a page's records follow from what is coded of them.
-  bool isAsBuilt(Slot first, int level, const GroupNodes& nodes, std::span<const NodeRecord> records) const {
+  template <class Nodes>
+  bool isAsBuilt(Slot first, int level, const Nodes& nodes, std::span<const NodeRecord> records) const {
     const NodeRecord* one = nullptr;
     for (uint32_t low = 0; low < kPageSlots; ++low) {
       const NodeRecord& r = records[low];
@@ -217,20 +223,23 @@ class GroupCoder {
   bool was_verbatim_ = false;
 };
 
-template <class Coder>
-void codePages(const CodedTerrain& terrain, uint64_t group, PageModel& model, Coder& coder,
+template <class Coder, class Earlier>
+void codePages(const CodedTerrain& terrain, const Earlier& earlier, uint64_t group, PageModel& model, Coder& coder,
                std::span<NodeRecord> records, bool is_encoder) {
   GroupCoder<Coder> pages(terrain, model, coder);
   const uint64_t first = terrain.firstOf(group);
   for (uint64_t at = 0; at < records.size(); at += kPageSlots)
-    pages.codePage(slotOfPage(terrain, (first + at) / kPageSlots), GroupNodes(terrain, first, records),
+    pages.codePage(slotOfPage(terrain, (first + at) / kPageSlots), GroupNodes(terrain, earlier, first, records),
                    records.subspan(at, kPageSlots), is_encoder);
 }
 
-// What encoders write again as they read it.
-std::vector<NodeRecord> copyOf(const CodedTerrain& terrain, uint64_t group) {
-  const auto records = terrain.records.subspan(terrain.firstOf(group), terrain.countOf(group));
-  return {records.begin(), records.end()};
+// `coder` writes or counts.
+template <class Coder>
+void writePages(const CodedTerrain& terrain, GroupReader& read, uint64_t group, PageModel& model, Coder& coder) {
+  const auto own = read.group(group);
+  std::vector<NodeRecord> records(own.begin(), own.end());  // encoders write them again as they read them
+  const auto earlier = [&](uint64_t place) -> const NodeRecord& { return read.at(place); };
+  codePages(terrain, earlier, group, model, coder, records, true);
 }
 
 }  // namespace
@@ -239,10 +248,9 @@ uint64_t CodedTerrain::countOf(uint64_t group) const {
   return std::min(kGroupRecords, directory.pageCount() * kPageSlots - firstOf(group));
 }
 
-void encodeGroup(const CodedTerrain& terrain, uint64_t group, PageModel& model, Bytes& out) {
-  std::vector<NodeRecord> records = copyOf(terrain, group);
+void encodeGroup(const CodedTerrain& terrain, GroupReader& records, uint64_t group, PageModel& model, Bytes& out) {
   proto::RangeEncoder coder(out);
-  codePages(terrain, group, model, coder, records, true);
+  writePages(terrain, records, group, model, coder);
   coder.finish();
 }
 
@@ -250,7 +258,8 @@ bool decodeGroup(const CodedTerrain& terrain, uint64_t group, ByteSpan bytes, Pa
                  std::span<NodeRecord> out) {
   CHECK_EQ(out.size(), terrain.countOf(group));
   proto::RangeDecoder coder(bytes);
-  codePages(terrain, group, model, coder, out, false);
+  const auto earlier = [&](uint64_t place) -> const NodeRecord& { return terrain.records[place]; };
+  codePages(terrain, earlier, group, model, coder, out, false);
   return coder.atEnd();
 }
 
@@ -269,9 +278,8 @@ struct ModelTrainer::Counts {
 ModelTrainer::ModelTrainer() : counts_(std::make_unique<Counts>()) {}
 ModelTrainer::~ModelTrainer() = default;
 
-void ModelTrainer::add(const CodedTerrain& terrain, uint64_t group) {
-  std::vector<NodeRecord> records = copyOf(terrain, group);
-  codePages(terrain, group, counts_->model, *counts_, records, true);
+void ModelTrainer::add(const CodedTerrain& terrain, GroupReader& records, uint64_t group) {
+  writePages(terrain, records, group, counts_->model, *counts_);
 }
 
 ModelStart ModelTrainer::start() const {

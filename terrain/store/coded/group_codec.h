@@ -21,6 +21,7 @@
 #include "proto/section/node_tables.h"
 #include "proto/section/page_directory.h"
 #include "proto/topology/grid.h"
+#include "terrain/store/coded/group_reader.h"
 #include "terrain/store/coded/page_model.h"
 
 namespace foreland::terrain {
@@ -35,7 +36,7 @@ inline uint64_t groupCount(uint64_t pages) { return (pages + kGroupPages - 1) / 
 struct CodedTerrain {
   const proto::GridTopology& grid;
   const proto::PageDirectory& directory;
-  std::span<const proto::NodeRecord> records;  // by place; of the groups before the one that is coded
+  std::span<const proto::NodeRecord> records;  // by place; of the groups before the one that is decoded
   proto::BaseHeights base;
   const proto::Frame& frame;
 
@@ -44,8 +45,9 @@ struct CodedTerrain {
   uint64_t countOf(uint64_t group) const;
 };
 
-// Appends a group, whose records are in terrain.records, to `out`. `model` must have been started, and is used up.
-void encodeGroup(const CodedTerrain& terrain, uint64_t group, PageModel& model, Bytes& out);
+// Appends a group to `out`. `model` must have been started, and is used up. Who encodes looks at `records` alone, not
+// at terrain.records; the group is worth nothing if these cannot be read.
+void encodeGroup(const CodedTerrain& terrain, GroupReader& records, uint64_t group, PageModel& model, Bytes& out);
 
 // Into countOf(group) records. False if the bytes are no group; `out` then holds some records or others.
 [[nodiscard]] bool decodeGroup(const CodedTerrain& terrain, uint64_t group, ByteSpan bytes, PageModel& model,
@@ -56,7 +58,7 @@ class ModelTrainer {
  public:
   ModelTrainer();
   ~ModelTrainer();
-  void add(const CodedTerrain& terrain, uint64_t group);
+  void add(const CodedTerrain& terrain, GroupReader& records, uint64_t group);
   ModelStart start() const;
 
  private:

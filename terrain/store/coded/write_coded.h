@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <span>
 
 #include "base/bytes.h"
@@ -11,16 +12,17 @@
 
 namespace foreland::terrain {
 
-// The section of coded pages of a scene file that is to be at `target`. Memory: 8 bytes a group; the coded bytes wait
-// in a file. The same bytes for any number of threads.
+// The section of coded pages of a scene file that is to be at `target`. Memory: 8 bytes a group, and for each thread
+// that of a GroupReader; the coded bytes wait in a file. The same bytes for any number of threads.
 class CodedPagesWriter {
  public:
-  static Result<CodedPagesWriter> create(const CodedTerrain& terrain, const std::filesystem::path& target,
-                                         unsigned threads);
+  // `read` is called by several threads at once. terrain.records are not looked at.
+  static Result<CodedPagesWriter> create(const CodedTerrain& terrain, const GroupReader::Read& read,
+                                         const std::filesystem::path& target, unsigned threads);
 
   uint64_t bytes() const { return CodedSection::tableBytes(ends_.size() - 1) + ends_.back(); }
-  // Into bytes() bytes, which are zero.
-  Status write(std::span<uint8_t> out) const;
+  // Calls put(offset, bytes) for all of its bytes(), in pieces.
+  Status write(const std::function<Status(uint64_t offset, ByteSpan what)>& put) const;
 
  private:
   explicit CodedPagesWriter(SpoolFile spool) : spool_(std::move(spool)) {}

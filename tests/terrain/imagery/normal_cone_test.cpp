@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstring>
 #include <glm/geometric.hpp>
 #include <vector>
 
@@ -70,10 +71,10 @@ TEST(GroundBounds, HoldTheGroundBetweenTheSamples) {
     const Heights heights{quanta, kWidth, kHeight};
     const proto::Frame frame = test::makeFrame(kind, kWidth, kHeight);
     const proto::FrameTransform transform(frame);
-    const GroundBounds ground(heights, frame);
+    const GroundBounds ground(HeightsByWindow::of(heights), frame);
     const glm::dvec2 low(rng.uniform(-0.5, 20), rng.uniform(-0.5, 15)), high = low + glm::dvec2(12.3, 9.1);
     std::vector<glm::dvec3> scratch;
-    const proto::TileBounds bounds = ground.over({low, high}, scratch);
+    const proto::TileBounds bounds = ground.over({low, high}, scratch).value();
     const auto cone = NormalCone::of(bounds);
     const auto at = [&](double x, double y) {
       const double cx = std::clamp(x, 0.0, kWidth - 1.0), cy = std::clamp(y, 0.0, kHeight - 1.0);
@@ -98,6 +99,35 @@ TEST(GroundBounds, HoldTheGroundBetweenTheSamples) {
       EXPECT_TRUE(cone.holds(n)) << x << ' ' << y;
     }
   }
+}
+
+// However many samples are held at a time, bounds are the same, to the bit; no more are read at once than that.
+TEST(GroundBounds, DoNotDependOnHowManySamplesAreHeld) {
+  Rng rng(test::randomSeed());
+  constexpr uint32_t kWidth = 61, kHeight = 47;
+  std::vector<int32_t> quanta;
+  for (uint32_t i = 0; i < kWidth * kHeight; ++i) quanta.push_back(static_cast<int32_t>(rng.below(300)));
+  const HeightsByWindow all = HeightsByWindow::of({quanta, kWidth, kHeight});
+  for (const auto kind : {proto::FrameKind::kPlanar, proto::FrameKind::kGeographic}) {
+    const proto::Frame frame = test::makeFrame(kind, kWidth, kHeight);
+    for (int i = 0; i < 40; ++i) {
+      const glm::dvec2 low(rng.uniform(-0.5, kWidth), rng.uniform(-0.5, kHeight)),
+          high = low + glm::dvec2(rng.uniform(0, kWidth), rng.uniform(0, kHeight));
+      std::vector<glm::dvec3> scratch;
+      const proto::TileBounds whole = GroundBounds(all, frame).over({low, high}, scratch).value();
+      for (const uint32_t most : {1u, 150u, 700u}) {
+        const auto read = [&](const SampleWindow& w, std::span<int32_t> out) {
+          EXPECT_TRUE(w.height <= 2 || w.width * w.height <= most) << w.width << " x " << w.height;
+          return all.read(w, out);
+        };
+        const auto strips = GroundBounds({kWidth, kHeight, read}, frame, most).over({low, high}, scratch).value();
+        EXPECT_EQ(std::memcmp(&strips, &whole, sizeof(whole)), 0) << most << " samples at once";
+      }
+    }
+  }
+  const auto failing = [](const SampleWindow&, std::span<int32_t>) { return Status(Error{ErrorCode::kIo, "gone"}); };
+  std::vector<glm::dvec3> scratch;
+  EXPECT_EQ(GroundBounds({kWidth, kHeight, failing}, {}).over({{0, 0}, {9, 9}}, scratch).error().message, "gone");
 }
 
 }  // namespace

@@ -14,8 +14,10 @@
 #include "terrain/pipeline/void_fill.h"
 #include "terrain/store/verify.h"
 #include "tests/support/files.h"
+#include "tests/support/formula_picture.h"
 #include "tests/support/scene.h"
 #include "tests/support/seed.h"
+#include "tests/support/surface_file.h"
 
 namespace foreland::terrain {
 namespace {
@@ -133,6 +135,98 @@ TEST(MergeBlocks, FilledVoidsDoNotNarrowTheQuantum) {
   EXPECT_EQ(built->voids_filled, whole->voids_filled);
   EXPECT_TRUE(test::slurp(folder / "a.fls") == test::slurp(folder / "whole.fls"));
   EXPECT_FALSE(std::filesystem::exists(folder / "a.fls.blocks"));
+}
+
+// At lattice positions, as `foreland build` takes objects.
+std::vector<ObjectRequest> objectsAt(const std::string& model, const proto::Frame& frame,
+                                     const std::vector<glm::dvec2>& places) {
+  const proto::FrameTransform transform(frame);
+  std::vector<ObjectRequest> requests;
+  for (const glm::dvec2& place : places) {
+    const auto point = transform.toScene(proto::LatticePosition{place.x, place.y, 0});
+    glm::dvec2 at = frame.map_origin_m + glm::dvec2(point);
+    if (frame.kind == FrameKind::kGeographic) {
+      const proto::Geodetic g = transform.toGeodetic(point);
+      at = glm::dvec2(g.latitude_rad, g.longitude_rad) * 57.29577951308232;
+    }
+    requests.push_back({model, at, 1, 30, 2});
+  }
+  return requests;
+}
+
+Rgba stripes(double x, double y) {
+  const auto wave = [](double phase) { return static_cast<uint8_t>(std::lround(128 + 80 * std::sin(phase))); };
+  return {wave(x * 0.9), wave(y * 0.11), wave((x + y) * 0.05), static_cast<uint8_t>(x > 1000 ? 0 : 255)};
+}
+
+// What a scene has beside its ground, and of which texels its picture is, 0 for none.
+struct Dressed {
+  uint32_t width, height;
+  FrameKind kind;
+  PageCoding coding;
+  bool has_objects;
+  double texel;
+  uint32_t block_log2;
+  unsigned threads;
+  bool has_voids = false;
+};
+
+// The law again, with all that a scene has beside its ground, one by one and together.
+TEST(MergeBlocks, TakesWhatABuildAtOnceTakes) {
+  constexpr auto kPlanar = FrameKind::kPlanar, kGeographic = FrameKind::kGeographic;
+  const test::TemporaryFolder folder;
+  const std::string model = folder / "sphere.fls";
+  test::writeSphere(model);
+  for (const Dressed& d : {Dressed{1100, 700, kPlanar, PageCoding::kCoded, false, 0, 9, 1},
+                           {1025, 600, kGeographic, PageCoding::kPlain, true, 0, 9, 3},
+                           {1100, 530, kPlanar, PageCoding::kPlain, false, 0.5, 9, 3},
+                           {600, 1030, kGeographic, PageCoding::kCoded, true, 1, 9, 2},
+                           {1100, 700, kPlanar, PageCoding::kCoded, true, 4, 10, 2},
+                           {1100, 1100, kGeographic, PageCoding::kPlain, false, 8, 9, 1}}) {
+    test::FormulaSource source = sourceOf(d.width, d.height, d.kind);
+    test::FormulaPicture picture(d.width, d.height, d.texel > 0 ? d.texel : 1, stripes);
+    SceneAdditions additions{.page_coding = d.coding};
+    if (d.has_objects)
+      additions.objects =
+          objectsAt(model, source.info().frame, {{511.5, 511.25}, {512, 3.75}, {d.width - 1.001, d.height - 1.001}});
+    if (d.texel > 0) additions.picture = &picture, additions.imagery_quality = 60, additions.attribution = "me";
+    const auto whole = buildScene(source, {.output = folder / "whole.fls",
+                                           .threads = 2,
+                                           .page_coding = d.coding,
+                                           .objects = additions.objects,
+                                           .picture = additions.picture,
+                                           .imagery_quality = additions.imagery_quality,
+                                           .attribution = additions.attribution});
+    ASSERT_TRUE(whole.ok()) << whole.error().message;
+    const auto built = buildByBlocks(source, {.plan = {.block_log2 = d.block_log2},
+                                              .output = folder / "blocks.fls",
+                                              .threads = d.threads,
+                                              .additions = additions});
+    ASSERT_TRUE(built.ok()) << built.error().message;
+    EXPECT_TRUE(test::slurp(folder / "blocks.fls") == test::slurp(folder / "whole.fls"))
+        << d.width << " x " << d.height << ", texels of " << d.texel;
+    EXPECT_EQ(built->scene_id, whole->scene_id);
+    EXPECT_EQ(built->file_bytes, whole->file_bytes);
+    EXPECT_EQ(built->notes, whole->notes);
+    EXPECT_EQ(built->imagery.tiles, whole->imagery.tiles);
+    EXPECT_EQ(built->imagery.stored, whole->imagery.stored);
+  }
+}
+
+TEST(MergeBlocks, NamesAnObjectThatCannotStand) {
+  const test::TemporaryFolder folder;
+  test::FormulaSource source = sourceOf(1100, 700, FrameKind::kPlanar);
+  const auto refusal = [&](const ObjectRequest& object) {
+    const auto built = buildByBlocks(
+        source, {.plan = {.block_log2 = 9}, .output = folder / "a.fls", .additions = {.objects = {object}}});
+    EXPECT_FALSE(std::filesystem::exists(folder / "a.fls"));
+    return built.ok() ? "" : built.error().message;
+  };
+  const std::string sphere = folder / "sphere.fls", growing = folder / "growing.fls";
+  test::writeSphere(sphere);
+  test::writeGrowingSphere(growing, Time::seconds(0), Time::seconds(1));
+  EXPECT_NE(refusal({sphere, {1e7, 1e7}}).find("beyond the data"), std::string::npos);
+  EXPECT_NE(refusal({growing, source.info().frame.map_origin_m}).find("foreland build"), std::string::npos);
 }
 
 TEST(MergeBlocks, WindowsOfAnySizeGiveTheSameBytesAndLeaveNothing) {

@@ -13,6 +13,7 @@
 #include "terrain/store/verify.h"
 #include "tests/support/files.h"
 #include "tests/support/scene.h"
+#include "tests/support/seed.h"
 #include "tests/support/sparse_scene.h"
 
 namespace foreland::terrain {
@@ -147,12 +148,19 @@ class GroupCodec : public testing::Test {
   std::vector<NodeRecord> records = std::vector<NodeRecord>(grid.slotCount());
 
   CodedTerrain terrain() const { return {grid, directory, records, {corners, centres}, frame}; }
+  GroupReader reader() const {
+    return {records.size(), [this](uint64_t first, std::span<NodeRecord> out) {
+              std::copy_n(records.begin() + static_cast<ptrdiff_t>(first), out.size(), out.begin());
+              return Status();
+            }};
+  }
   void expectRoundTrip(const ModelStart& start) const {
+    GroupReader read = reader();
     for (uint64_t group = 0; group < groupCount(directory.pageCount()); ++group) {
       Bytes bytes;
       PageModel model;
       start.apply(model);
-      encodeGroup(terrain(), group, model, bytes);
+      encodeGroup(terrain(), read, group, model, bytes);
       std::vector<NodeRecord> back(terrain().countOf(group), NodeRecord{~uint64_t{0}});
       start.apply(model);
       ASSERT_TRUE(decodeGroup(terrain(), group, bytes, model, back)) << group;
@@ -185,13 +193,43 @@ TEST_F(GroupCodec, GivesBackAnyRecords) {
     }
     expectRoundTrip(ModelStart());
     ModelTrainer trainer;
-    trainer.add(terrain(), 0);
+    GroupReader read = reader();
+    trainer.add(terrain(), read, 0);
     const ModelStart start = trainer.start();
     ModelStart again;
     ASSERT_TRUE(again.decode(start.encode()));
     EXPECT_EQ(again, start);
     expectRoundTrip(start);
   }
+}
+
+// Whatever is asked for, it gives the records that are there, the last that were asked for stay where they are, and it
+// reads again only what it could not keep.
+TEST(GroupReader, GivesWhatIsThereAndKeepsTheLast) {
+  constexpr uint64_t kGroups = 3 * GroupReader::kHeld, kPlaces = kGroups * kGroupRecords - 100;
+  uint64_t reads = 0;
+  GroupReader reader(kPlaces, [&](uint64_t first, std::span<NodeRecord> out) {
+    ++reads;
+    for (size_t i = 0; i < out.size(); ++i) out[i] = {first + i};
+    return first / kGroupRecords == 7 ? Status(Error{ErrorCode::kIo, "seven"}) : Status();
+  });
+  EXPECT_EQ(reader.group(kGroups - 1).size(), kGroupRecords - 100);
+  Rng rng(test::randomSeed());
+  std::vector<const NodeRecord*> last;
+  for (int i = 0; i < 5000; ++i) {
+    const uint64_t place = 8 * kGroupRecords + rng.below(kPlaces - 8 * kGroupRecords);
+    last.push_back(&reader.at(place));
+    ASSERT_EQ(last.back()->bits, place);
+    if (last.size() > GroupReader::kHeld) {
+      const uint64_t before = last[last.size() - GroupReader::kHeld]->bits, seen = reads;
+      ASSERT_EQ(reader.at(before).bits, before);
+      ASSERT_EQ(reads, seen);
+      last.push_back(&reader.at(before));
+    }
+  }
+  EXPECT_TRUE(reader.status().ok());
+  EXPECT_EQ(reader.at(7 * kGroupRecords + 5).bits, 0u);
+  EXPECT_EQ(reader.status().error().message, "seven");
 }
 
 TEST_F(GroupCodec, TakesAnyBytes) {
