@@ -14,6 +14,8 @@ programs are those of FORELAND_BIN (default build/release/bin).
     snakemake     Snakemake gets SIGKILL with all of its jobs, and is started again
     full          a disk with room for some blocks, then for all blocks but not for the scene, then for both
     input         one tile is replaced by another one
+    dressed       voids, a picture and coded pages beside the ground
+    slurm         a job of Slurm for each block, where sbatch is (a controller and a node of this machine's will do)
 """
 
 import argparse
@@ -58,9 +60,9 @@ def digest(path):
         return hashlib.file_digest(file, "sha256").hexdigest() if hasattr(hashlib, "file_digest") else hashlib.sha256(file.read()).hexdigest()
 
 
-def build(inputs, scene):
+def build(inputs, scene, *more):
     """At once, as a reference: digest and id."""
-    must(foreland("build"), *inputs, "--frame", "planar", "-o", scene)
+    must(foreland("build"), *inputs, "--frame", "planar", *more, "-o", scene)
     return digest(scene), json.loads(must(foreland("info"), "--json", scene))["id"]
 
 
@@ -75,15 +77,16 @@ class Trial:
         self.scene = folder / "at_once.fls"
         self.wanted, self.id = build(self.inputs(), self.scene)
 
-    def cut(self, source, numbers):
+    def cut(self, source, numbers, tiles=None):
+        folder = tiles or self.tiles
         side, tiles = self.options.side, self.options.tiles
         ends = [side * i // tiles for i in range(tiles + 1)]
         for number in numbers:
             (x, x1), (y, y1) = ((ends[k], ends[k + 1]) for k in (number % tiles, number // tiles))
-            must("gdal_translate", "-q", "-srcwin", x, y, x1 - x, y1 - y, "-co", "TILED=YES", source, self.tiles / f"{number:03}.tif")
+            must("gdal_translate", "-q", "-srcwin", x, y, x1 - x, y1 - y, "-co", "TILED=YES", source, folder / f"{number:03}.tif")
 
-    def inputs(self):
-        return sorted(self.tiles.glob("*.tif"))
+    def inputs(self, tiles=None):
+        return sorted((tiles or self.tiles).glob("*.tif"))
 
     def law(self, holds, text):
         if not holds:
@@ -96,22 +99,22 @@ class Trial:
 
     def nothing_half_written(self, folder, text):
         """Blocks are whole, which `foreland block` would not touch, and nothing else is there."""
-        strangers = [str(path) for path in folder.rglob("*") if path.is_file() and path.suffix not in (".block", ".json", ".fls") and ".snakemake" not in path.parts]
+        strangers = [str(path) for path in folder.rglob("*") if path.is_file() and path.suffix not in (".block", ".json", ".fls", ".voids") and ".snakemake" not in path.parts]
         self.law(not strangers, f"{text}: left behind {strangers}")
 
-    def snakemake(self, scene, jobs, targets=()):
-        """Snakemake with its folder, its scene's, as its own."""
-        return Program(self.options.snakemake, *targets, "-s", ROOT / "deploy/Snakefile", "--profile", ROOT / "deploy/snakemake/local", "--cores", jobs, "--jobs", jobs,
-                       "--config", f"inputs={self.tiles}/*.tif", "options=--frame planar", f"scene={scene}", f"foreland={BIN / 'foreland'}",
-                       cwd=scene.parent, log=self.folder / "snakemake.log")
+    def snakemake(self, scene, jobs, targets=(), profile="local", tiles=None, more="", also=""):
+        """Snakemake with its folder, its scene's, as its own. `more`: what foreland plan takes beside, and `also` the files of that."""
+        return Program(self.options.snakemake, *targets, "-s", ROOT / "deploy/Snakefile", "--profile", ROOT / "deploy/snakemake" / profile, "--cores", jobs, "--jobs", jobs,
+                       "--config", f"inputs={tiles or self.tiles}/*.tif", f"options=--frame planar {more}", f"also={also}", f"scene={scene}",
+                       f"foreland={BIN / 'foreland'}", cwd=scene.parent, log=self.folder / "snakemake.log")
 
     def room(self, name):
         folder = self.folder / name
         folder.mkdir()
         return folder / "scene.fls"
 
-    def run(self, scene, jobs, targets=()):
-        with self.snakemake(scene, jobs, targets) as program:
+    def run(self, scene, jobs, targets=(), **more):
+        with self.snakemake(scene, jobs, targets, **more) as program:
             return program.result()[0]
 
 
@@ -272,7 +275,37 @@ def reached_by(trial, number, plan):
     return min(count, len(plan["blocks"]))
 
 
-TRIALS = {"memory": measure_memory, "order": run_in_any_order, "job": kill_a_job, "snakemake": kill_snakemake, "full": fill_the_disk, "input": replace_an_input}
+def dress(trial):
+    """Voids in the valleys, in a corner and as specks, and a picture that is twice as fine as the ground."""
+    tiles, land, picture = trial.folder / "dressed_tiles", trial.folder / "dressed.tif", trial.folder / "picture.tif"
+    tiles.mkdir()
+    must("gdal_calc.py", "-A", trial.folder / "land.tif", "--quiet", "--NoDataValue=-9999", "--outfile", land, "--calc",
+         "numpy.where((A < numpy.percentile(A, 5)) | (numpy.add.outer(numpy.arange(A.shape[0]), numpy.arange(A.shape[1])) < A.shape[0] // 3) | (numpy.modf(A * 977)[0] < 0.01), -9999, A)")
+    trial.cut(land, range(trial.options.tiles**2), tiles)
+    must(foreland("synth"), "--imagery", picture, "--imagery-detail", 2, "--over", trial.folder / "land.tif")
+    more = ["--imagery", picture, "--pages", "coded"]
+    wanted, _ = build(trial.inputs(tiles), trial.folder / "dressed.fls", *more)
+    scene = trial.room("dressed")
+    trial.law(trial.run(scene, 2, tiles=tiles, more=" ".join(map(str, more)), also=picture) == 0, "dressed: Snakemake failed")
+    trial.nothing_half_written(Path(f"{scene}.work"), "dressed")
+    said = json.loads(must(foreland("info"), "--json", scene))
+    trial.law(said["voids_filled"] > 0, "dressed: there were no voids")
+    trial.report["dressed"] = {"same": trial.is_the_scene(scene, "dressed", wanted), "voids_filled": said["voids_filled"]}
+    shutil.rmtree(scene.parent)
+
+
+def run_by_slurm(trial):
+    if not shutil.which("sbatch") or subprocess.run(["sinfo"], check=False, capture_output=True).returncode != 0:
+        trial.report["slurm"] = {"skipped": "no Slurm answers here: Debian's slurmctld, slurmd and slurm-client, with a slurm.conf of one node"}
+        return
+    scene = trial.room("slurm")
+    trial.law(trial.run(scene, 7, profile="slurm") == 0, "slurm: Snakemake failed")
+    trial.report["slurm"] = {"same": trial.is_the_scene(scene, "slurm")}
+    shutil.rmtree(scene.parent)
+
+
+TRIALS = {"memory": measure_memory, "order": run_in_any_order, "job": kill_a_job, "snakemake": kill_snakemake, "full": fill_the_disk, "input": replace_an_input,
+          "dressed": dress, "slurm": run_by_slurm}
 
 
 def main():

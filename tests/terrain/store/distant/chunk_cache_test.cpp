@@ -66,6 +66,7 @@ TEST(ChunkCache, HoldsWhatTheFileHasWhateverTheStoreDoes) {
   ChunkCache::Wishes wishes(cache);
   Rng rng(seed);
   std::vector<ChunkCache::Chunk> held;
+  uint64_t uses = cache.counts().uses;
   for (int i = 0; i < 2000; ++i) {
     file.store->mood = rng.below(2) ? Mood::kSound : static_cast<Mood>(rng.below(4));
     std::vector<ChunkCache::Wish> some;
@@ -74,7 +75,7 @@ TEST(ChunkCache, HoldsWhatTheFileHasWhateverTheStoreDoes) {
     wishes.set(some);
     for (uint64_t k = rng.below(3); k > 0; --k) (void)cache.fetch();
     const auto chunk = static_cast<ChunkCache::Chunk>(rng.below(kChunks));
-    if (cache.hold(chunk)) held.push_back(chunk);
+    if (cache.hold(chunk)) held.push_back(chunk), ++uses;
     if (held.size() > 6) {
       const size_t one = rng.below(held.size());
       cache.release(held[one]);
@@ -83,6 +84,7 @@ TEST(ChunkCache, HoldsWhatTheFileHasWhateverTheStoreDoes) {
     for (const ChunkCache::Chunk each : held) ASSERT_TRUE(file.isTrue(each)) << each;
     ASSERT_LE(cache.counts().there, kCapacity);
   }
+  EXPECT_EQ(cache.counts().uses, uses);
   EXPECT_GT(cache.counts().evicted, 100u);
   EXPECT_GT(cache.counts().unsound, 10u);
   EXPECT_GT(cache.counts().failed, 10u);
