@@ -105,7 +105,7 @@ class Trial:
     def snakemake(self, scene, jobs, targets=(), profile="local", tiles=None, more="", also=""):
         """Snakemake with its folder, its scene's, as its own. `more`: what foreland plan takes beside, and `also` the files of that."""
         return Program(self.options.snakemake, *targets, "-s", ROOT / "deploy/Snakefile", "--profile", ROOT / "deploy/snakemake" / profile, "--cores", jobs, "--jobs", jobs,
-                       "--config", f"inputs={tiles or self.tiles}/*.tif", f"options=--frame planar {more}", f"also={also}", f"scene={scene}",
+                       "--config", f"inputs={tiles or self.tiles}/*.tif", f"options=--frame planar {more}", f"also={also}", f"scene={scene}", f"threads={min(4, os.cpu_count())}",
                        f"foreland={BIN / 'foreland'}", cwd=scene.parent, log=self.folder / "snakemake.log")
 
     def room(self, name):
