@@ -342,18 +342,19 @@ def main():
         scene, sums = prepared(options, folder)
         report = {"scene_bytes": scene.stat().st_size, "cache_mib": options.cache_mib, "viewers": options.viewers, "seconds": options.seconds,
                   "viewport": options.viewport, "tau_px": float(options.tau), "trials": {}, "broken": []}
-        for name in options.trials:
-            say(name)
-            trial = Trial(name, options, folder)
+        trials = [Trial(name, options, folder) for name in options.trials]
+        for trial in trials:
+            say(trial.name)
             try:
-                TRIALS[name](trial, scene, sums)
+                TRIALS[trial.name](trial, scene, sums)
             except (OSError, RuntimeError) as error:
-                trial.broken.append(f"{name}: {error}")
+                trial.broken.append(f"{trial.name}: {error}")
             finally:
                 trial.end()
-            say(f"{name}: judging")
+        for trial in trials:  # which takes all of the machine
+            say(f"{trial.name}: judging")
             trial.judge()
-            report["trials"][name] = trial.report
+            report["trials"][trial.name] = trial.report
             report["broken"] += trial.broken
             if options.out:
                 Path(options.out).write_text(json.dumps(report, indent=1) + "\n")
