@@ -124,7 +124,8 @@ void addGate(CLI::App& app, ServeFlags& flags) {
       "file of the secret with which `foreland token` signs; viewers need a token then")
       ->type_name(file("FILE"));
   add("--trusted-proxy", flags.trusted_proxy,
-      "address or network of a proxy whose X-Forwarded-For, or else Forwarded, is believed")
+      "address or network of a proxy whose X-Forwarded-For, or else Forwarded, is believed, and what its checks say of "
+      "a fleet")
       ->type_name(text("ADDRESS"));
 }
 
