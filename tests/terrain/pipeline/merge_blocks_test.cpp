@@ -109,8 +109,8 @@ TEST(MergeBlocks, FillVoidsAsABuildAtOnceDoes) {
   for (uint64_t voids = 0; voids < 6; ++voids) {
     const test::TemporaryFolder folder;
     const FrameKind kind = voids % 2 ? FrameKind::kGeographic : FrameKind::kPlanar;
-    test::FormulaSource source = sourceWithVoids(static_cast<uint32_t>(600 + rng.below(700)),
-                                                 static_cast<uint32_t>(600 + rng.below(700)), kind, voids, rng.next());
+    test::FormulaSource source = sourceWithVoids(static_cast<uint32_t>(530 + rng.below(200)),
+                                                 static_cast<uint32_t>(530 + rng.below(200)), kind, voids, rng.next());
     ASSERT_TRUE(buildScene(source, {.output = folder / "whole.fls"}).ok());
     const Sharded sharded(source, 9);
     ASSERT_NE(sharded.plan.voids, nullptr);
@@ -156,7 +156,7 @@ std::vector<ObjectRequest> objectsAt(const std::string& model, const proto::Fram
 
 Rgba stripes(double x, double y) {
   const auto wave = [](double phase) { return static_cast<uint8_t>(std::lround(128 + 80 * std::sin(phase))); };
-  return {wave(x * 0.9), wave(y * 0.11), wave((x + y) * 0.05), static_cast<uint8_t>(x > 1000 ? 0 : 255)};
+  return {wave(x * 0.9), wave(y * 0.11), wave((x + y) * 0.05), static_cast<uint8_t>(x > 500 ? 0 : 255)};
 }
 
 // What a scene has beside its ground, and of which texels its picture is, 0 for none.
@@ -177,13 +177,15 @@ TEST(MergeBlocks, TakesWhatABuildAtOnceTakes) {
   const test::TemporaryFolder folder;
   const std::string model = folder / "sphere.fls";
   test::writeSphere(model);
-  for (const Dressed& d : {Dressed{1100, 700, kPlanar, PageCoding::kCoded, false, 0, 9, 1},
-                           {1025, 600, kGeographic, PageCoding::kPlain, true, 0, 9, 3},
-                           {1100, 530, kPlanar, PageCoding::kPlain, false, 0.5, 9, 3},
-                           {600, 1030, kGeographic, PageCoding::kCoded, true, 1, 9, 2},
-                           {1100, 700, kPlanar, PageCoding::kCoded, true, 4, 10, 2},
-                           {1100, 1100, kGeographic, PageCoding::kPlain, false, 8, 9, 1}}) {
-    test::FormulaSource source = sourceOf(d.width, d.height, d.kind);
+  for (const Dressed& d : {Dressed{700, 540, kPlanar, PageCoding::kCoded, false, 0, 9, 1},
+                           {1025, 530, kGeographic, PageCoding::kPlain, true, 0, 9, 3},
+                           {700, 530, kPlanar, PageCoding::kPlain, false, 0.5, 9, 3},
+                           {530, 700, kGeographic, PageCoding::kCoded, true, 1, 9, 2},
+                           {1100, 530, kPlanar, PageCoding::kCoded, true, 4, 10, 2},
+                           {700, 700, kGeographic, PageCoding::kPlain, false, 8, 9, 1},
+                           {700, 540, kPlanar, PageCoding::kCoded, true, 2, 9, 2, true}}) {
+    test::FormulaSource source =
+        d.has_voids ? sourceWithVoids(d.width, d.height, d.kind, 5, 3) : sourceOf(d.width, d.height, d.kind);
     test::FormulaPicture picture(d.width, d.height, d.texel > 0 ? d.texel : 1, stripes);
     SceneAdditions additions{.page_coding = d.coding};
     if (d.has_objects)
