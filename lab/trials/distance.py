@@ -302,7 +302,7 @@ def fly_s3(trial, scene, sums):
 
 
 def fly_rclone(trial, scene, sums):
-    if not trial.options.rclone or not Path("/dev/fuse").exists():
+    if not trial.options.rclone or not (shutil.which("fusermount3") or shutil.which("fusermount")) or not Path("/dev/fuse").exists():
         trial.report["skipped"] = "rclone (Debian's rclone and fuse3) or /dev/fuse is not there"
         return
     lay(trial, scene, sums)
