@@ -198,7 +198,6 @@ INSTANTIATE_TEST_SUITE_P(SparseLevels, GlobeGround, testing::Values(0, 5));
 TEST(GlobeGrids, AreSharedByPlaceAndBounded) {
   const Planet planet(test::randomSeed(), 0);
   GlobeGrids grids(planet.hierarchy, GlobeGrids::Building::kByTheCaller);
-  Rng rng(7);
   const glm::dvec3 eye = planet.at(0, 60, 70) * 1.002;
   const auto held = grids.about(eye, nullptr);
   ASSERT_NE(held, nullptr);
