@@ -77,13 +77,12 @@ class Trial:
         self.scene = folder / "at_once.fls"
         self.wanted, self.id = build(self.inputs(), self.scene)
 
-    def cut(self, source, numbers, tiles=None):
-        folder = tiles or self.tiles
+    def cut(self, source, numbers, into=None):
         side, tiles = self.options.side, self.options.tiles
         ends = [side * i // tiles for i in range(tiles + 1)]
         for number in numbers:
             (x, x1), (y, y1) = ((ends[k], ends[k + 1]) for k in (number % tiles, number // tiles))
-            must("gdal_translate", "-q", "-srcwin", x, y, x1 - x, y1 - y, "-co", "TILED=YES", source, folder / f"{number:03}.tif")
+            must("gdal_translate", "-q", "-srcwin", x, y, x1 - x, y1 - y, "-co", "TILED=YES", source, (into or self.tiles) / f"{number:03}.tif")
 
     def inputs(self, tiles=None):
         return sorted((tiles or self.tiles).glob("*.tif"))

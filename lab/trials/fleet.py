@@ -7,8 +7,9 @@ Viewers are light ones (`foreland fly --viewers`), each flies over one scene. --
 that a small machine is a fleet of slow ones: when viewers have come and flown for a while, the first server gets half of it.
 
 For each way: how many of the chunks that viewers begin to need were there without being fetched for them, bytes that the servers fetch of the scenes,
-and how evenly processors are used: of each server's processor time in some seconds, as a part of what it may take, the largest over the mean. Prints JSON; exits 1 if a viewer does not land, or another law of the issue does not hold: the use is
-uneven (1.2) for more than 30 s after all have come, or after the first server got slow; or 1 in 100 viewers had no keyframe for over a second.
+and how evenly processors are used: of each server's processor time in some seconds, as a part of what it may take, the largest over the mean. Prints
+JSON; exits 1 if a viewer does not land, or another law of the issue does not hold: the use is uneven (1.2) for more than 30 s after all have come, or
+after the first server got slow; or 1 in 100 viewers had no keyframe for over a second.
 Programs are those of FORELAND_BIN (default build/release/bin).
 """
 
@@ -148,7 +149,9 @@ def fly(options, way, folder, store):
     total = lambda key: sum(report.get(key, 0) for report in reports)
     counted = lambda key: int(sum(count[key] for count in last))
     uses, chunks = counted("store_uses_total"), counted("store_fetched_chunks_total")
-    return {"viewers": groups * GROUP, "landed": total("landed"), "errors": sorted({report["error"] for report in reports if "error" in report}), "reconnected": total("resumed") + total("started_afresh"), "keyframes": total("keyframes"),
+    return {"viewers": groups * GROUP, "landed": total("landed"),
+            "errors": sorted({report["error"] for report in reports if "error" in report}), "reconnected": total("resumed") + total("started_afresh"),
+            "keyframes": total("keyframes"),
             "late_keyframes": total("late_keyframes"), "longest_gap_p99_ms": p99_of_gaps(reports), "longest_gap_ms": max(report.get("longest_gap_ms", 0) for report in reports), "longest_resume_ms": round(max(report.get("longest_resume_ms", 0) for report in reports), 1), "came_s": round(came_s, 1), "handed_over": counted("handed_over_total"),
             **found, "cache_hit_rate": round(1 - chunks / max(uses, 1), 6), "fetched_bytes": counted("store_fetched_bytes_total"), "evicted_chunks": counted("store_evicted_chunks_total")}
 

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <charconv>
-#include <cmath>
 
+#include "base/smoothing.h"
 #include "server/net/metrics/load.h"
 
 namespace foreland::server {
@@ -36,7 +36,7 @@ void FleetLevel::note(std::string_view state, std::string_view servers, Time now
   const double level = *ready == 0 ? 1 : Load::kBusy * (1 - free);
   const bool is_known = at(now).has_value();
   const double elapsed_s = is_known ? (now - *noted_at_).toSeconds() : 0;
-  level_ = is_known ? level_ + (1 - std::exp(-elapsed_s / kMemory.toSeconds())) * (level - level_) : level;
+  level_ = is_known ? level_ + weightOfNew(elapsed_s, kMemory.toSeconds()) * (level - level_) : level;
   noted_at_ = now;
 }
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/smoothing.h"
+
 namespace foreland::server {
 
 namespace {
@@ -56,7 +58,7 @@ double ToleranceControl::next(double wanted_px, const Budget& budget) {
 void ToleranceControl::observe(double triangles, double bytes, double interval_s) {
   triangles_ = triangles;
   interval_s_ = interval_s;
-  const double share = 1 - std::exp(-interval_s / kMemory_s);
+  const double share = weightOfNew(interval_s, kMemory_s);
   bytes_per_s_ += share * (bytes / interval_s - bytes_per_s_);
 }
 

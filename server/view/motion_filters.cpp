@@ -3,6 +3,8 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
+#include "base/smoothing.h"
+
 namespace foreland::server {
 
 namespace {
@@ -40,7 +42,7 @@ MotionRates MotionRates::between(const proto::TimedPose& before, const proto::Ti
 void DoubleExponential::add(const MotionRates& rates, double seconds) {
   if (is_empty_) once_ = twice_ = rates;
   is_empty_ = false;
-  const double share = 1 - std::exp(-seconds / kTimeConstant_s);
+  const double share = weightOfNew(seconds, kTimeConstant_s);
   approach(once_.velocity, rates.velocity, share);
   approach(once_.turn, rates.turn, share);
   approach(twice_.velocity, once_.velocity, share);

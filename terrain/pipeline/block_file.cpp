@@ -1,9 +1,5 @@
 #include "terrain/pipeline/block_file.h"
 
-#include <fcntl.h>
-#include <sys/stat.h>
-#include <unistd.h>
-
 #include <array>
 #include <cerrno>
 #include <cstring>
@@ -104,8 +100,8 @@ Result<BlockFile> BlockFile::open(const std::filesystem::path& folder, const Blo
   BlockFile block;
   block.path_ = blockPath(folder, id);
   const std::string name = "block " + std::to_string(uint64_t{row} * blocks.columns() + column);
-  block.file_ = ::open(block.path_.c_str(), O_RDONLY | O_CLOEXEC);
-  if (block.file_ < 0)
+  block.file_ = InputFile(block.path_);
+  if (!block.file_.isOpen())
     return Error{ErrorCode::kIo, block.path_.string() + ": " + std::strerror(errno) + "; " + name +
                                      " of the plan is missing: make it with foreland block"};
   const BlockLayout layout = layoutOf(blocks, column, row);
@@ -114,13 +110,10 @@ Result<BlockFile> BlockFile::open(const std::filesystem::path& folder, const Blo
   if (!block.read(0, {reinterpret_cast<uint8_t*>(&header), sizeof(header)}).ok() || header.magic != wanted.magic ||
       header.version != wanted.version || header.byte_order != wanted.byte_order)
     return block.damaged();
-  struct stat about {};
   if (header.id != id)
     return Error{ErrorCode::kMalformed, block.path_.string() + ": another block than its name says, not " + name +
                                             " of this plan; remove it, and make it again with foreland block"};
-  if (header.bytes != layout.bytes || ::fstat(block.file_, &about) != 0 ||
-      static_cast<uint64_t>(about.st_size) != sizeof(header) + layout.bytes)
-    return block.damaged();
+  if (header.bytes != layout.bytes || block.file_.bytes() != sizeof(header) + layout.bytes) return block.damaged();
   block.own_ = blocks.own(column, row);
   block.checksum_ = header.checksum;
   block.bytes_ = layout.bytes;
@@ -131,34 +124,13 @@ Result<BlockFile> BlockFile::open(const std::filesystem::path& folder, const Blo
   return block;
 }
 
-BlockFile::BlockFile(BlockFile&& other) noexcept
-    : path_(std::move(other.path_)),
-      file_(std::exchange(other.file_, -1)),
-      own_(other.own_),
-      checksum_(other.checksum_),
-      bytes_(other.bytes_),
-      coarse_at_(other.coarse_at_),
-      coarsest_(other.coarsest_),
-      reach_at_(std::move(other.reach_at_)),
-      reach_count_(std::move(other.reach_count_)) {}
-
-BlockFile::~BlockFile() {
-  if (file_ >= 0) ::close(file_);
-}
-
 Error BlockFile::damaged() const {
   return {ErrorCode::kMalformed,
           path_.string() + ": damaged, or no block; remove it, and make it again with foreland block"};
 }
 
 Status BlockFile::read(uint64_t offset, std::span<uint8_t> out) const {
-  for (size_t done = 0; done < out.size();) {
-    const ssize_t got = ::pread(file_, out.data() + done, out.size() - done, static_cast<off_t>(offset + done));
-    if (got < 0 && errno == EINTR) continue;
-    if (got <= 0) return damaged();
-    done += static_cast<size_t>(got);
-  }
-  return {};
+  return file_.read(offset, out) ? Status() : Status(damaged());
 }
 
 Result<std::vector<BlockPoint>> BlockFile::points() const {

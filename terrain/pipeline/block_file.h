@@ -9,6 +9,7 @@
 #include "base/result.h"
 #include "terrain/bounds/block_bounds.h"
 #include "terrain/pipeline/block_plan.h"
+#include "terrain/store/file/input_file.h"
 
 namespace foreland::terrain {
 
@@ -34,9 +35,6 @@ class BlockFile {
   // An Error: the file is not there, is no block, or is another one than the plan's.
   static Result<BlockFile> open(const std::filesystem::path& folder, const Blocks& blocks, uint32_t column,
                                 uint32_t row, uint64_t id);
-  BlockFile(BlockFile&& other) noexcept;
-  BlockFile& operator=(BlockFile&&) = delete;
-  ~BlockFile();
 
   // All of the block's points, row by row, if nothing of the file is damaged.
   Result<std::vector<BlockPoint>> points() const;
@@ -53,7 +51,7 @@ class BlockFile {
   Status read(uint64_t offset, std::span<uint8_t> out) const;
 
   std::filesystem::path path_;
-  int file_ = -1;
+  InputFile file_;
   ErrorWindow own_;
   uint64_t checksum_ = 0, bytes_ = 0, coarse_at_ = 0;
   int coarsest_ = 0;

@@ -1,9 +1,5 @@
 #include "terrain/pipeline/void_fill.h"
 
-#include <fcntl.h>
-#include <sys/stat.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <array>
 #include <cerrno>
@@ -114,17 +110,15 @@ Status VoidFillWriter::finish() {
 Result<VoidFill> VoidFill::open(const std::filesystem::path& path, uint32_t width, uint32_t height) {
   VoidFill fill;
   fill.path_ = path;
-  fill.file_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  if (fill.file_ < 0)
+  fill.file_ = InputFile(path);
+  if (!fill.file_.isOpen())
     return Error{ErrorCode::kIo, path.string() + ": " + std::strerror(errno) +
                                      "; it has what voids are filled with: make the plan again with foreland plan"};
   FillHeader header;
   const FillHeader wanted;
-  struct stat about {};
   if (!fill.read(0, {reinterpret_cast<uint8_t*>(&header), sizeof(header)}).ok() || header.magic != wanted.magic ||
       header.version != wanted.version || header.byte_order != wanted.byte_order || header.width != width ||
-      header.height != height || ::fstat(fill.file_, &about) != 0 ||
-      static_cast<uint64_t>(about.st_size) != header.bytes)
+      header.height != height || fill.file_.bytes() != header.bytes)
     return fill.damaged();
   fill.bytes_ = header.bytes;
   fill.rows_.resize(height);
@@ -142,17 +136,6 @@ Result<VoidFill> VoidFill::open(const std::filesystem::path& path, uint32_t widt
   return fill;
 }
 
-VoidFill::VoidFill(VoidFill&& other) noexcept
-    : path_(std::move(other.path_)),
-      file_(std::exchange(other.file_, -1)),
-      id_(other.id_),
-      bytes_(other.bytes_),
-      rows_(std::move(other.rows_)) {}
-
-VoidFill::~VoidFill() {
-  if (file_ >= 0) ::close(file_);
-}
-
 Error VoidFill::damaged() const {
   return {ErrorCode::kMalformed, path_.string() +
                                      ": damaged, or not what these voids are filled with; remove it, and make the plan "
@@ -160,13 +143,7 @@ Error VoidFill::damaged() const {
 }
 
 Status VoidFill::read(uint64_t offset, std::span<uint8_t> out) const {
-  for (size_t done = 0; done < out.size();) {
-    const ssize_t got = ::pread(file_, out.data() + done, out.size() - done, static_cast<off_t>(offset + done));
-    if (got < 0 && errno == EINTR) continue;
-    if (got <= 0) return damaged();
-    done += static_cast<size_t>(got);
-  }
-  return {};
+  return file_.read(offset, out) ? Status() : Status(damaged());
 }
 
 Result<std::vector<uint32_t>> VoidFill::wordsOf(uint32_t y) const {

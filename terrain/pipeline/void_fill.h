@@ -12,6 +12,7 @@
 #include "base/result.h"
 #include "terrain/dem/voids/row_filler.h"
 #include "terrain/elevation_source.h"
+#include "terrain/store/file/input_file.h"
 #include "terrain/store/file/new_file.h"
 
 namespace foreland::terrain {
@@ -48,9 +49,6 @@ class VoidFill {
  public:
   // An Error says that the file is missing or damaged, and what to do.
   static Result<VoidFill> open(const std::filesystem::path& path, uint32_t width, uint32_t height);
-  VoidFill(VoidFill&& other) noexcept;
-  VoidFill& operator=(VoidFill&&) = delete;
-  ~VoidFill();
 
   uint64_t id() const { return id_; }
   const std::filesystem::path& path() const { return path_; }
@@ -68,7 +66,7 @@ class VoidFill {
   Result<std::vector<uint32_t>> wordsOf(uint32_t y) const;
 
   std::filesystem::path path_;
-  int file_ = -1;
+  InputFile file_;
   uint64_t id_ = 0, bytes_ = 0;
   std::vector<FilledRow> rows_;
 };

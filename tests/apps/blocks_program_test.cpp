@@ -49,18 +49,23 @@ class BlocksProgram : public testing::Test {
   }
   void makePlan() const { succeed("plan", {input(), "--frame", "planar", "-o", plan()}); }
 
+  // Of the two blocks of a plan, and of its input by foreland build, at once and by blocks.
+  void expectTheSceneThatBuildMakes() {
+    EXPECT_EQ(filesIn(blocks()), 2u);
+    succeed("merge", {plan(), blocks(), "-o", scene()});
+    succeed("build", {input(), "--frame", "planar", "-o", folder_ / "whole.fls"});
+    succeed("build", {input(), "--frame", "planar", "--memory", "1", "-o", folder_ / "windowed.fls"});
+    EXPECT_TRUE(slurp(scene()) == slurp(folder_ / "whole.fls"));
+    EXPECT_TRUE(slurp(scene()) == slurp(folder_ / "windowed.fls"));
+  }
+
   TemporaryFolder folder_;
 };
 
 TEST_F(BlocksProgram, MakeTheSceneThatBuildMakes) {
   makePlan();
   for (const char* number : {"1", "0", "1"}) succeed("block", {plan(), number, "-o", blocks()});
-  EXPECT_EQ(filesIn(blocks()), 2u);
-  succeed("merge", {plan(), blocks(), "-o", scene()});
-  succeed("build", {input(), "--frame", "planar", "-o", folder_ / "whole.fls"});
-  succeed("build", {input(), "--frame", "planar", "--memory", "1", "-o", folder_ / "windowed.fls"});
-  EXPECT_TRUE(slurp(scene()) == slurp(folder_ / "whole.fls"));
-  EXPECT_TRUE(slurp(scene()) == slurp(folder_ / "windowed.fls"));
+  expectTheSceneThatBuildMakes();
 }
 
 TEST_F(BlocksProgram, AWholeWorldStandsInAFile) {
@@ -217,12 +222,7 @@ TEST_F(BlocksProgram, FillVoidsAsBuildDoes) {
   ASSERT_FALSE(voids().empty());
   EXPECT_EQ(fs::path(voids()).filename().string().find("plan.json."), 0u);
   for (const char* number : {"1", "0"}) succeed("block", {plan(), number, "-o", blocks()});
-  EXPECT_EQ(filesIn(blocks()), 2u);
-  succeed("merge", {plan(), blocks(), "-o", scene()});
-  succeed("build", {input(), "--frame", "planar", "-o", folder_ / "whole.fls"});
-  succeed("build", {input(), "--frame", "planar", "--memory", "1", "-o", folder_ / "windowed.fls"});
-  EXPECT_TRUE(slurp(scene()) == slurp(folder_ / "whole.fls"));
-  EXPECT_TRUE(slurp(scene()) == slurp(folder_ / "windowed.fls"));
+  expectTheSceneThatBuildMakes();
   EXPECT_FALSE(fs::exists(folder_ / "windowed.fls.blocks"));
 }
 

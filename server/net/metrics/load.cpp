@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/smoothing.h"
+
 namespace foreland::server {
 
 // One thread closes a window; what others add meanwhile counts to the next one.
@@ -50,7 +52,7 @@ double Load::fairShare(int64_t viewers) const {
 
 double Load::costAfter(double cost, Duration spent, Duration elapsed) {
   const double elapsed_s = std::max(1e-6, elapsed.toSeconds());
-  return cost + (1 - std::exp(-elapsed_s / kCostMemory.toSeconds())) * (spent.toSeconds() / elapsed_s - cost);
+  return cost + weightOfNew(elapsed_s, kCostMemory.toSeconds()) * (spent.toSeconds() / elapsed_s - cost);
 }
 
 Processors Load::processorsFor(double cost, int64_t viewers) const {

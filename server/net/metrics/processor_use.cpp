@@ -4,16 +4,17 @@
 #include <sys/resource.h>
 
 #include <algorithm>
-#include <cmath>
 #include <fstream>
 #include <string>
 #include <string_view>
 #include <thread>
 
+#include "base/smoothing.h"
+
 namespace foreland::server {
 namespace {
 
-// So many processors, where it was given less time than no limit at all.
+// Nobody is given fewer, whatever a file says, so shares of them stay finite.
 constexpr double kMinProcessors = 0.01;
 
 Duration timeOf(int who) {
@@ -91,7 +92,7 @@ std::optional<double> processorQuota(const std::filesystem::path& groups, const 
 
 void UsedShare::add(double share, Duration elapsed) {
   last_ = std::clamp(share, 0.0, 1.0);
-  mean_ += (1 - std::exp(-elapsed.toSeconds() / kMemory.toSeconds())) * (last_ - mean_);
+  mean_ += weightOfNew(elapsed.toSeconds(), kMemory.toSeconds()) * (last_ - mean_);
 }
 
 void ProcessorUse::update(Time now) {

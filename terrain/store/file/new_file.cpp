@@ -12,6 +12,8 @@
 #include <cstring>
 #include <utility>
 
+#include "terrain/store/file/input_file.h"
+
 namespace foreland::terrain {
 
 namespace {
@@ -113,13 +115,7 @@ Status NewFile::put(uint64_t offset, ByteSpan what) const {
 }
 
 Status NewFile::read(uint64_t offset, std::span<uint8_t> out) const {
-  for (size_t done = 0; done < out.size();) {
-    const ssize_t got = ::pread(file_, out.data() + done, out.size() - done, static_cast<off_t>(offset + done));
-    if (got < 0 && errno == EINTR) continue;
-    if (got <= 0) return systemError("cannot read it again");
-    done += static_cast<size_t>(got);
-  }
-  return {};
+  return readAt(file_, offset, out) ? Status() : Status(systemError("cannot read it again"));
 }
 
 void NewFile::release(ByteSpan what) const {

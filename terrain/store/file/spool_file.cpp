@@ -10,6 +10,8 @@
 #include <string>
 #include <utility>
 
+#include "terrain/store/file/input_file.h"
+
 namespace foreland::terrain {
 
 Error SpoolFile::systemError(const char* doing) const {
@@ -69,13 +71,7 @@ Status SpoolFile::put(uint64_t offset, ByteSpan what) {
 }
 
 Status SpoolFile::read(uint64_t offset, std::span<uint8_t> out) const {
-  for (size_t done = 0; done < out.size();) {
-    const ssize_t n = ::pread(file_, out.data() + done, out.size() - done, static_cast<off_t>(offset + done));
-    if (n < 0 && errno == EINTR) continue;
-    if (n <= 0) return systemError("cannot read");
-    done += static_cast<size_t>(n);
-  }
-  return {};
+  return readAt(file_, offset, out) ? Status() : Status(systemError("cannot read"));
 }
 
 }  // namespace foreland::terrain
