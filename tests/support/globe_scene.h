@@ -24,12 +24,18 @@ inline proto::Frame makeGlobeFrame(uint32_t face_log2) {
   return frame;
 }
 
+// Each component between -1 and 1. They are drawn in this order whatever the compiler: golden streams are of them.
+inline glm::dvec3 globeWave(Rng& rng) {
+  const double z = rng.uniform(-1, 1), y = rng.uniform(-1, 1), x = rng.uniform(-1, 1);
+  return {x, y, z};
+}
+
 // Metres by direction, between about -150 and 450; the same for the same seed.
 inline double globeHills(uint64_t seed, const glm::dvec3& direction) {
   Rng rng(seed);
   double metres = 150;
   for (int octave = 0; octave < 6; ++octave) {
-    const glm::dvec3 wave(rng.uniform(-1, 1), rng.uniform(-1, 1), rng.uniform(-1, 1));
+    const glm::dvec3 wave = globeWave(rng);
     metres +=
         120 / std::exp2(octave) * std::sin(glm::dot(wave, direction) * 6 * std::exp2(octave) + rng.uniform(0, 6.28));
   }
@@ -43,7 +49,7 @@ inline double globeRidges(uint64_t seed, const glm::dvec3& direction) {
   Rng rng(seed);
   double metres = 0;
   for (int i = 0; i < 3; ++i) {
-    const glm::dvec3 wave(rng.uniform(-1, 1), rng.uniform(-1, 1), rng.uniform(-1, 1));
+    const glm::dvec3 wave = globeWave(rng);
     metres += 130 * std::sin(glm::dot(glm::normalize(wave), direction) * 60 + rng.uniform(0, 6.28));
   }
   return metres + 0.1 * globeHills(seed, direction);
