@@ -32,6 +32,14 @@ bool isInside(const GridTopology& grid, const PageBlock& block) {
   return true;
 }
 
+// For each of a block's words, how many of its pages are in those before.
+std::array<uint16_t, PageBlock::kWords> pagesBefore(const PageBlock& block) {
+  std::array<uint16_t, PageBlock::kWords> before{};
+  for (size_t w = 1; w < before.size(); ++w)
+    before[w] = static_cast<uint16_t>(before[w - 1] + std::popcount(block.bits[w - 1]));
+  return before;
+}
+
 }  // namespace
 
 uint64_t PageBlock::count() const {
@@ -46,6 +54,7 @@ Result<PageDirectory> PageDirectory::create(const GridTopology& grid, std::span<
   directory.page_count_ = directory.whole_ / kPageSlots;
   directory.blocks_ = blocks;
   directory.numbers_.reset(blocks.size());
+  directory.before_.reserve(blocks.size());
   for (size_t i = 0; i < blocks.size(); ++i) {
     const PageBlock& block = blocks[i];
     const auto refuse = [&](const char* what) {
@@ -58,6 +67,7 @@ Result<PageDirectory> PageDirectory::create(const GridTopology& grid, std::span<
     if (block.first != directory.page_count_) return refuse("has a wrong place");
     directory.page_count_ += block.count();
     directory.numbers_.insert(block.key, static_cast<uint32_t>(i + 1));
+    directory.before_.push_back(pagesBefore(block));
   }
   return directory;
 }
@@ -69,10 +79,8 @@ uint64_t PageDirectory::placeInBlocks(Slot slot) const {
   const PageBlock& block = blocks_[number - 1];
   const uint32_t bit = bitOf(page), word = bit / 64;
   if ((block.bits[word] >> bit % 64 & 1) == 0) return kNowhere;
-  uint64_t place =
-      block.first + static_cast<uint64_t>(std::popcount(block.bits[word] & ((uint64_t{1} << bit % 64) - 1)));
-  for (uint32_t w = 0; w < word; ++w) place += static_cast<uint64_t>(std::popcount(block.bits[w]));
-  return place * kPageSlots + slot % kPageSlots;
+  const auto in_word = static_cast<uint64_t>(std::popcount(block.bits[word] & ((uint64_t{1} << bit % 64) - 1)));
+  return (block.first + before_[number - 1][word] + in_word) * kPageSlots + slot % kPageSlots;
 }
 
 namespace {

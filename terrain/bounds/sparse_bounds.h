@@ -3,7 +3,8 @@
 // node's support holds of it is known by its nodes alone, and a node that is not there adds nothing to errors. How far
 // that surface lies from what it was made of is for others to state.
 //
-// Time and memory are those of the nodes that are there, not of the lattice.
+// Time and memory are those of the nodes that are there, not of the lattice; what a node takes stands in
+// sparse_errors.h.
 #pragma once
 
 #include <functional>
@@ -29,8 +30,7 @@ struct SparseBoundsJob {
   std::function<bool(double)> onProgress = [](double) { return true; };
 };
 
-// Fills the records. False if `onProgress` stopped it. The result does not depend on the number of threads. Each node
-// costs a look at each of the triangles that hold it, about two for each level above it.
+// Fills the records. False if `onProgress` stopped it. The result does not depend on the number of threads.
 [[nodiscard]] bool computeSparseBounds(const SparseBoundsJob& job);
 
 }  // namespace foreland::terrain

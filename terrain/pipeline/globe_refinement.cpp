@@ -36,7 +36,7 @@ class Refinement {
     const GlobeHeight ground = source_.heightAt(direction);
     if (ground.owner != input && ground.owner != GlobeHeight::kMixed) return;
     const GlobePlaces::Place at = places_.placeOf(direction);
-    FaceTriangle t = places_.coarsest(at);
+    BisectionTriangle t = places_.coarsest(at);
     std::optional<Slot> last;
     for (int level = 1; level <= deepest; ++level) {
       if (level > grid_.wholeLevels() && std::fabs(heightOf(t, at) - ground.metres) > residual_m_)
@@ -46,7 +46,7 @@ class Refinement {
     if (last) pages_.insert(*last - *last % proto::kPageSlots);
   }
 
-  double heightOf(const FaceTriangle& t, const GlobePlaces::Place& at) {
+  double heightOf(const BisectionTriangle& t, const GlobePlaces::Place& at) {
     const auto share = t.sharesAt(at.p);
     const glm::dvec3 drawn = share[0] * positionOf(at.face, t.a) + share[1] * positionOf(at.face, t.b) +
                              share[2] * positionOf(at.face, t.apex);

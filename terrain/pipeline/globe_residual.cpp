@@ -23,7 +23,7 @@ class Comparison {
   std::optional<double> differenceAt(const GlobeSample& sample, int input) const {
     if (source_.heightAt(sample.direction).owner != input) return std::nullopt;
     const GlobePlaces::Place at = places_.placeOf(sample.direction);
-    const FaceTriangle t = finestAround(at);
+    const BisectionTriangle t = finestAround(at);
     glm::dvec3 drawn(0);
     const auto share = t.sharesAt(at.p);
     for (const auto& [corner, weight] :
@@ -37,10 +37,10 @@ class Comparison {
   }
 
  private:
-  FaceTriangle finestAround(const GlobePlaces::Place& at) const {
-    FaceTriangle t = places_.coarsest(at);
+  BisectionTriangle finestAround(const GlobePlaces::Place& at) const {
+    BisectionTriangle t = places_.coarsest(at);
     for (int level = 1; level <= grid_.maxLevel(); ++level) {
-      if (!pages_.hasPage(grid_.slot(places_.nameOf(at.face, t.middle()), level))) break;
+      if (level > grid_.wholeLevels() && !pages_.hasPage(grid_.slot(places_.nameOf(at.face, t.middle()), level))) break;
       t = t.halfWith(at.p);
     }
     return t;

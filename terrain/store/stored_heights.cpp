@@ -1,7 +1,9 @@
 #include "terrain/store/stored_heights.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <span>
 
 namespace foreland::terrain {
 
@@ -13,7 +15,7 @@ double StoredHeights::exactAt(NodeId v) const {
   const int level = grid_.level(v);
   if (level == 0) return base_.at(grid_, v);
   const std::optional<int32_t> height = heightAt(grid_.slot(v, level));
-  return height ? *height : interpolated(v);
+  return height ? *height : interpolated(v, level);
 }
 
 std::optional<int32_t> StoredHeights::heightAt(proto::Slot slot) const {
@@ -62,12 +64,22 @@ Halved rootTriangle(const proto::GridTopology& grid, NodeId v) {
 
 }  // namespace
 
-double StoredHeights::interpolated(NodeId v) const {
-  Halved t = rootTriangle(grid_, v);
-  const uint32_t root_x = t.apex.x() >> grid_.shape().root_log2;
+double StoredHeights::interpolated(NodeId v, int level) const {
+  // Of each level the triangle around the node that a node of this level halves: of the last one, itself.
+  std::array<Halved, proto::GridTopology::kMaxLevels> triangles;
+  const std::span around(triangles.data(), static_cast<size_t>(level));
+  around[0] = rootTriangle(grid_, v);
+  for (size_t i = 1; i < around.size(); ++i) around[i] = around[i - 1].halfWith(v);
+  const uint32_t root_x = around[0].apex.x() >> grid_.shape().root_log2;
   const auto nameOf = [&](NodeId corner) { return grid_.nameIn(root_x, corner); };
-  for (int level = 1; level <= grid_.maxLevel() && heightAt(grid_.slot(nameOf(t.middle()), level)); ++level)
-    t = t.halfWith(v);
+  const auto isHalved = [&](const Halved& t) {
+    return heightAt(grid_.slot(nameOf(t.middle()), static_cast<int>(&t - around.data()) + 1)).has_value();
+  };
+  // Pages are closed under parents, so what is halved lies in triangles that are; but a supply may have lost any page.
+  const std::span coarser = around.first(around.size() - 1);
+  const auto finest =
+      supply_ ? std::ranges::find_if_not(coarser, isHalved) : std::ranges::partition_point(coarser, isHalved);
+  const Halved& t = around[static_cast<size_t>(finest - coarser.begin())];
   const auto all = static_cast<double>(doubleArea(t.a, t.b, t.apex));
   const double sum = static_cast<double>(doubleArea(v, t.b, t.apex)) * at(nameOf(t.a)) +
                      static_cast<double>(doubleArea(t.a, v, t.apex)) * at(nameOf(t.b)) +

@@ -21,8 +21,8 @@ class StoredHeights {
       : grid_(grid), pages_(pages), records_(records), base_(base), supply_(supply) {}
 
   // Height of any lattice point, node or base vertex, in quanta. Where no page is, the ground is the triangle of the
-  // finest nodes around that are there, and the height is its nearest whole number of quanta there: two look-ups for
-  // each level.
+  // finest nodes around that are there, and the height is its nearest whole number of quanta there: some five look-ups,
+  // with a supply one for each level.
   int32_t at(proto::NodeId v) const;
   // The same without rounding to whole quanta.
   double exactAt(proto::NodeId v) const;
@@ -31,7 +31,8 @@ class StoredHeights {
   const proto::PageDirectory& pages() const { return pages_; }
 
  private:
-  double interpolated(proto::NodeId v) const;
+  // Of a node of this level that is not there.
+  double interpolated(proto::NodeId v, int level) const;
   // Nothing if the page is not there.
   std::optional<int32_t> heightAt(proto::Slot slot) const;
 

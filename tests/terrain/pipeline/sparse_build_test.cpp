@@ -22,10 +22,10 @@ using proto::Slot;
 constexpr uint32_t kWidth = 150, kHeight = 131;
 
 struct Ground {
-  Ground(FrameKind kind, uint64_t seed, uint32_t whole_log2)
-      : grid(*sparseGrid(kWidth, kHeight, whole_log2)),
-        frame(test::makeFrame(kind, kWidth, kHeight)),
-        whole(test::makeScene(kWidth, kHeight, seed, kind)) {
+  Ground(FrameKind kind, uint64_t seed, uint32_t whole_log2, uint32_t width = kWidth, uint32_t height = kHeight)
+      : grid(*sparseGrid(width, height, whole_log2)),
+        frame(test::makeFrame(kind, width, height)),
+        whole(test::makeScene(width, height, seed, kind)) {
     frame.height_quantum_m = 0.1;
   }
 
@@ -59,9 +59,7 @@ struct Ground {
 
 class SparseBuild : public testing::TestWithParam<FrameKind> {};
 
-TEST_P(SparseBuild, WithAllPagesIsTheWholeScene) {
-  const uint64_t seed = test::randomSeed();
-  const Ground ground(GetParam(), seed, 3);
+void expectTheWholeScene(const Ground& ground, uint64_t seed) {
   const auto scene = ground.build(ground.all());
   EXPECT_EQ(scene->records().size(), ground.grid.slotCount());
   EXPECT_TRUE(verifyScene(ground.path, 2)->sound());
@@ -72,6 +70,19 @@ TEST_P(SparseBuild, WithAllPagesIsTheWholeScene) {
     ASSERT_EQ(a.error(), b.error()) << "seed " << seed << ", slot " << slot;
     ASSERT_EQ(a.radius(), b.radius()) << "seed " << seed << ", slot " << slot;
   }
+}
+
+TEST_P(SparseBuild, WithAllPagesIsTheWholeScene) {
+  const uint64_t seed = test::randomSeed();
+  expectTheWholeScene(Ground(GetParam(), seed, 3), seed);
+}
+
+// More levels than errors are measured down at a time.
+TEST_P(SparseBuild, WithAllPagesOfManyLevelsIsTheWholeScene) {
+  const uint64_t seed = test::randomSeed();
+  const Ground ground(GetParam(), seed, 3, 590, 530);
+  ASSERT_EQ(ground.grid.maxLevel(), 13);
+  expectTheWholeScene(ground, seed);
 }
 
 // Whether a point lies in a closed triangle; of lattice points.
