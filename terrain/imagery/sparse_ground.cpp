@@ -30,6 +30,7 @@ using proto::TileId;
 constexpr double kSparseRing = 2;                          // samples around a box, as for whole scenes
 constexpr double kHalfAngleUnit = std::numbers::pi / 510;  // of NormalCone::half_angle
 constexpr uint32_t kWindow = kTileSide + 4;                // nodes around a tile
+constexpr uint64_t kKeptNormals = 1 << 20;                 // 24 MB
 
 }  // namespace
 
@@ -71,38 +72,54 @@ void SparseGroundBounds::forEachWindow(const proto::LatticeBox& box, const Visit
   if (own.high.y > side) beyond({inner_low.x, side}, {inner_high.x, own.high.y});
 }
 
-proto::TileBounds SparseGroundBounds::over(const proto::LatticeBox& box) const {
-  std::vector<glm::dvec3> normals;
-  double lowest = proto::kMaxHeight, highest = -proto::kMaxHeight;
+// Calls see(height in quanta) for the corners of the flat squares that meet a box and a ring about it, and
+// visit(unit normal) for the normals at these.
+template <class See, class Visit>
+void SparseGroundBounds::forEachNormal(const proto::LatticeBox& box, const See& see, const Visit& visit) const {
   const proto::GridTopology& grid = ground_.grid();
   const auto include = [&](uint32_t x, uint32_t y, uint32_t side) {
     glm::dvec3 p[4];
     for (uint32_t k = 0; k < 4; ++k) {
       const NodeId v = grid.nameIn(x >> grid.shape().root_log2, NodeId::at(x + side * (k % 2), y + side * (k / 2)));
       const double height = ground_.exactAt(v);
-      lowest = std::min(lowest, height), highest = std::max(highest, height);
+      see(height);
       p[k] = positions_.position(v, height);
     }
     for (const glm::dvec3& east : {p[1] - p[0], p[3] - p[2]})
-      for (const glm::dvec3& north : {p[2] - p[0], p[3] - p[1]})
-        normals.push_back(glm::normalize(glm::cross(east, north)));
+      for (const glm::dvec3& north : {p[2] - p[0], p[3] - p[1]}) visit(glm::normalize(glm::cross(east, north)));
   };
   const FlatSquares squares(grid, ground_.pages());
   forEachWindow(box, [&](uint32_t low_x, uint32_t low_y, uint32_t high_x, uint32_t high_y) {
     squares.forEachIn(low_x, low_y, high_x, high_y, include);
   });
+}
+
+proto::TileBounds SparseGroundBounds::over(const proto::LatticeBox& box) const {
+  std::vector<glm::dvec3> kept;  // the first normals: what is more is looked up again
+  uint64_t count = 0;
+  glm::dvec3 sum(0);
+  double lowest = proto::kMaxHeight, highest = -proto::kMaxHeight;
+  forEachNormal(
+      box, [&](double height) { lowest = std::min(lowest, height), highest = std::max(highest, height); },
+      [&](const glm::dvec3& n) {
+        sum += n;
+        if (count++ < kKeptNormals) kept.push_back(n);
+      });
   // Floats, and heights that are rounded.
   proto::TileBounds bounds;
   bounds.lowest_m = std::nextafter(static_cast<float>((lowest - 1) * height_quantum_m_), -1e30f);
   bounds.highest_m = std::nextafter(static_cast<float>((highest + 1) * height_quantum_m_), 1e30f);
-  glm::dvec3 sum(0);
-  for (const glm::dvec3& n : normals) sum += n;
   NormalCone cone = NormalCone::everything();
   if (glm::length(sum) > 1e-3) {
     const auto axis = quantisedAxis(sum);
     const glm::dvec3 unit = NormalCone{axis, 0}.unitAxis();
     double least = 1;
-    for (const glm::dvec3& n : normals) least = std::min(least, glm::dot(n, unit));
+    const auto hold = [&](const glm::dvec3& n) { least = std::min(least, glm::dot(n, unit)); };
+    if (count > kept.size())
+      forEachNormal(
+          box, [](double) {}, hold);
+    else
+      std::ranges::for_each(kept, hold);
     cone = coneOf(axis, least);
     const double widened = cone.half_angle + std::ceil(rounding_rad_ / kHalfAngleUnit);
     cone = cone.isEverything() || widened > 255 ? NormalCone::everything()

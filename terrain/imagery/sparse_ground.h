@@ -21,12 +21,14 @@ class SparseGroundBounds {
   SparseGroundBounds(const StoredHeights& ground, const proto::Frame& frame);
 
   // As GroundBounds::over(), on a globe of a box on one face; also of heights between nodes that are rounded to whole
-  // quanta. Any thread.
+  // quanta. Any thread. Memory: 24 MB at most.
   proto::TileBounds over(const proto::LatticeBox& box) const;
 
  private:
   template <class Visit>
   void forEachWindow(const proto::LatticeBox& box, const Visit& visit) const;
+  template <class See, class Visit>
+  void forEachNormal(const proto::LatticeBox& box, const See& see, const Visit& visit) const;
 
   const StoredHeights& ground_;
   double height_quantum_m_, rounding_rad_;

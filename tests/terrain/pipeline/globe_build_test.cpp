@@ -201,7 +201,7 @@ TEST(GlobeBuild, IsAsDeepAsTheResidualThatIsAskedForTakes) {
   }
   // More than the base is off them takes nothing; a millimetre is closer than a quarter of 62 m can be.
   uint64_t fewer = 0;
-  for (const double residual_m : {100.0, 3.0, 0.5, 0.001}) {
+  for (const double residual_m : {100.0, 1.0, 0.25, 0.001}) {
     const Built built(source, 0.001, false, residual_m);
     ASSERT_TRUE(built.scene);
     const uint64_t deep = built.scene->pages().blocks().size();
