@@ -69,7 +69,7 @@ std::filesystem::path blockPath(const std::filesystem::path& folder, uint64_t id
 
 namespace {
 
-// What a layer's file has of it, and its place there.
+// A layer, and the differences that the file has of it.
 struct MadeLayer {
   BlockLayer layer;
   std::vector<int32_t> quanta;

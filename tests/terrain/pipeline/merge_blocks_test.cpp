@@ -490,6 +490,32 @@ TEST(MergeBlocks, NamesTheBlockThatIsMissingDamagedOrAnother) {
   EXPECT_NE(refusal().find("block 3 of the plan is missing"), std::string::npos);
 }
 
+TEST(MergeBlocks, NamesTheBlockWhoseLayersAreDamaged) {
+  const test::TemporaryFolder folder;
+  test::FormulaSource source = sourceOf(1100, 700, FrameKind::kPlanar),
+                      later = test::windowSource(source, {500, 100, 40, 30}, test::hills(2));
+  const Sharded sharded(source, 9, {{Time{0}, "first", nullptr}, {Time{1}, "later", &later}});
+  for (uint64_t number = 0; number < sharded.blocks.count(); ++number)
+    ASSERT_TRUE(sharded.make(source, folder.path(), number).ok());
+  const auto path = blockPath(folder.path(), sharded.plan.ids[0]);
+  const std::vector<char> sound = test::slurp(path);
+  const size_t before_layers = sound.size() - 3 * (40 + 13 * 30 * sizeof(int32_t));  // its last 13 columns, thrice
+  const auto refusal = [&](const std::vector<char>& bytes) {
+    test::spit(path, bytes);
+    const auto merged = mergeBlocks(source, sharded.plan, {folder.path(), folder / "a.fls"});
+    EXPECT_EQ(std::filesystem::exists(folder / "a.fls"), merged.ok());
+    return merged.ok() ? "" : merged.error().message;
+  };
+  for (const size_t at :
+       {before_layers, before_layers + 8, before_layers + 24, before_layers + 3 * 40 + 5, sound.size() - 1}) {
+    std::vector<char> damaged = sound;
+    damaged[at] ^= 1;
+    EXPECT_NE(refusal(damaged).find(path.string() + ": damaged"), std::string::npos) << at;
+  }
+  EXPECT_NE(refusal({sound.begin(), sound.end() - 4}).find(path.string() + ": damaged"), std::string::npos);
+  EXPECT_EQ(refusal(sound), "");
+}
+
 TEST(MergeBlocks, RefusesWhatBlocksCannotMake) {
   test::FormulaSource small(40, 40, test::hills(1));
   EXPECT_NE(planBlocks(small, {}).error().message.find("at once"), std::string::npos);
