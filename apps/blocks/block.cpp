@@ -25,12 +25,14 @@ Status makeBlock(const apps::OpenedPlan& opened, const terrain::Blocks& blocks, 
              row = static_cast<uint32_t>(number / blocks.columns());
   const uint64_t id = opened.plan.ids[number];
   if (const auto kept = terrain::BlockFile::open(folder, blocks, column, row, id); kept && kept->points()) return {};
-  const auto heights = terrain::readWindow(opened.source(), blocks.withHalo(column, row));
+  const auto heights = terrain::readWindow(opened.ground(), blocks.withHalo(column, row));
   if (!heights) return heights.error();
-  if (terrain::blockId(opened.plan, opened.source().info(), blocks, column, row, *heights) != id)
-    return Error{ErrorCode::kInvalidArgument, opened.source().info().title + ": block " + std::to_string(number) +
-                                                  " has changed since " + plan.string() +
-                                                  " was made; make the plan again with foreland plan"};
+  if (terrain::blockId(opened.plan, opened.source().info(), blocks, column, row, *heights) != id) {
+    const auto epoch = apps::changedEpoch(plan);
+    const std::string what = epoch && !epoch->empty() ? *epoch : opened.source().info().title;
+    return Error{ErrorCode::kInvalidArgument, what + ": block " + std::to_string(number) + " has changed since " +
+                                                  plan.string() + " was made; make the plan again with foreland plan"};
+  }
   return terrain::writeBlock(folder, opened.plan, opened.source().info(), blocks, tables, column, row, id, *heights);
 }
 

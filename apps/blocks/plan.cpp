@@ -11,7 +11,6 @@
 #include "apps/options/toml_config.h"
 #include "apps/report/progress_line.h"
 #include "apps/stop_signal.h"
-#include "terrain/dem/open.h"
 
 namespace {
 
@@ -29,12 +28,13 @@ int fail(const Error& error) {
 }
 
 // So that hours are not spent on blocks before foreland merge says it.
-Status checkAdditions(const apps::PlanArguments& planned, const terrain::ElevationInfo& ground) {
+Status checkAdditions(const apps::PlanArguments& planned, const terrain::ElevationInfo& ground,
+                      const std::vector<terrain::EpochRequest>& epochs) {
   const auto picture = apps::openPictures(planned.scene, ground, planned.foreign.allowed);
   if (!picture) return picture.error();
   const auto additions = apps::additionsOf(planned.scene, picture->get());
   if (!additions) return additions.error();
-  return terrain::checkAdditions(ground, *additions);
+  return terrain::checkAdditions(ground, epochs, planned.epochs.blend, *additions);
 }
 
 // What foreland build takes and a plan does not is named with the way out, also where it stands in a file for both.
@@ -47,9 +47,7 @@ void describeRefused(CLI::App& app) {
   const auto refuseFlag = [&](const std::string& name, const std::string& why) {
     app.add_flag_function(name, [name, why](int64_t) { throw CLI::ValidationError(name, why); })->group("");
   };
-  const std::string in_time = "a scene that changes in time is not made by blocks yet; foreland build makes it at once",
-                    globe = "a globe is not made by blocks yet; foreland build makes it";
-  for (const char* name : {"--epoch", "--epoch-blend"}) refuse(name, in_time);
+  const std::string globe = "a globe is not made by blocks yet; foreland build makes it";
   for (const char* name : {"--globe", "--sea"}) refuseFlag(name, globe);
   refuse("--threads", "a plan needs none; give it to foreland merge");
 }
@@ -59,15 +57,24 @@ int plan(const Arguments& arguments, const std::vector<std::string>& words) {
   if (Status s = apps::checkOutput(arguments.output, "plan"); !s.ok()) return fail(s.error());
   for (const std::filesystem::path& file : apps::filesOf(arguments.planned))
     if (Status s = apps::checkApart(arguments.output, file, "one of the inputs"); !s.ok()) return fail(s.error());
-  const auto source = terrain::openElevation(elevation.inputs, elevation.open);
-  if (!source.ok()) return fail(source.error());
-  apps::describeInput((*source)->info());
-  if (Status s = checkAdditions(arguments.planned, (*source)->info()); !s.ok()) return fail(s.error());
+  const apps::EpochArguments& epochs = arguments.planned.epochs;
+  const auto objects = apps::parseObjects(arguments.planned.scene);
+  if (!objects.ok()) return fail(objects.error());
+  auto of_poses = apps::epochsOfPoses(*objects);
+  if (!of_poses.ok()) return fail(of_poses.error());
+  auto ground = apps::openGround(elevation, epochs, std::move(*of_poses));
+  if (!ground.ok()) return fail(ground.error());
+  const terrain::ElevationInfo& info = ground->source->info();
+  apps::describeInput(info);
+  if (Status s = apps::openEpochs(elevation, epochs, *ground); !s.ok()) return fail(s.error());
+  if (Status s = checkAdditions(arguments.planned, info, ground->epochs); !s.ok()) return fail(s.error());
   apps::ProgressLine line;
-  const auto made = terrain::planBlocks(**source,
-                                        {.height_quantum_m = apps::chooseVerticalStep(elevation, (*source)->info()),
+  const auto made = terrain::planBlocks(*ground->source,
+                                        {.height_quantum_m = apps::chooseVerticalStep(elevation, info),
                                          .widen_quantum = !elevation.vertical_step_m,
                                          .memory_bytes = uint64_t{arguments.memory_mib} << 20,
+                                         .epochs = ground->epochs,
+                                         .epoch_blend = epochs.blend,
                                          .voids = apps::voidsBeside(arguments.output)},
                                         {.report = [&](std::string_view stage, double done) { line.show(stage, done); },
                                          .keepGoing = [] { return !apps::isStopRequested(); }});
@@ -102,6 +109,7 @@ int main(int argc, char** argv) {
   const std::vector<std::string> words = apps::plannedWords(app);
   apps::ElevationArguments& elevation = arguments.planned.elevation;
   apps::takeVerticals(elevation);
+  apps::takeVerticals(arguments.planned.epochs, elevation.open);
   if (Status s = apps::takeInsets(elevation); !s.ok()) return fail(s.error());
   elevation.open.allowed_folders = arguments.planned.foreign.allowed;
   apps::confineTo(arguments.planned.foreign, apps::filesOf(arguments.planned), {arguments.output});

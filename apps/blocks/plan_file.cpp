@@ -21,6 +21,14 @@ using Json = nlohmann::ordered_json;
 
 constexpr int kPlanVersion = 1;
 
+// What blocks are made of.
+std::vector<std::filesystem::path> groundFilesOf(const PlanArguments& arguments) {
+  std::vector<std::filesystem::path> files = filesOf(arguments.elevation);
+  const std::vector<std::filesystem::path> of_epochs = filesOf(arguments.epochs);
+  files.insert(files.end(), of_epochs.begin(), of_epochs.end());
+  return files;
+}
+
 std::string hex(uint64_t value) {
   std::array<char, 17> text{};
   std::snprintf(text.data(), text.size(), "%016llx", static_cast<unsigned long long>(value));
@@ -40,10 +48,11 @@ Result<Json> describeSource(const std::filesystem::path& file) {
 }
 
 // About what a job of one block holds, beside its programs: heights, records and errors with their halo, and as many
-// rows as are read at a time.
+// rows as are read at a time; in time also a walk's heights, what each epoch says, and how far it is from the first.
 uint64_t memoryOfBlock(const terrain::BlockPlan& plan) {
-  const uint64_t side = (1ull << plan.block_log2) + 2 * terrain::Blocks::kHalo;
-  return ((side * side * 40 + uint64_t{128} * 4 * plan.shape.samples_x) >> 20) + 192;
+  const uint64_t side = (1ull << plan.block_log2) + 2 * terrain::Blocks::kHalo,
+                 in_time = plan.epochs.empty() ? 0 : 24 + 8 * plan.epochs.size();
+  return ((side * side * (40 + in_time) + uint64_t{128} * 4 * plan.shape.samples_x) >> 20) + 192;
 }
 
 Error damaged(const std::filesystem::path& path, const std::string& what) {
@@ -68,6 +77,7 @@ Status parseWords(std::vector<std::string> words, PlanArguments& arguments) {
     app.parse(words);
   } catch (const CLI::ParseError& error) { return Error{ErrorCode::kMalformed, error.what()}; }
   takeVerticals(arguments.elevation);
+  takeVerticals(arguments.epochs, arguments.elevation.open);
   if (Status s = takeInsets(arguments.elevation); !s.ok()) return s;
   arguments.elevation.open.allowed_folders = arguments.foreign.allowed;
   return {};
@@ -86,6 +96,15 @@ Status checkSources(const std::filesystem::path& path, const Json& json) {
       return changed(path, file, error ? error.message() : std::to_string(bytes) + " bytes");
   }
   return {};
+}
+
+// Of a scene that changes in time.
+std::vector<terrain::EpochRequest> datesOf(const Json& json) {
+  std::vector<terrain::EpochRequest> epochs;
+  if (const auto dates = json.find("epochs"); dates != json.end())
+    for (const Json& epoch : *dates)
+      epochs.push_back({Time{epoch.at("time_us").get<int64_t>()}, epoch.at("date").get<std::string>(), nullptr});
+  return epochs;
 }
 
 // What voids are filled with; null if the plan has none.
@@ -123,7 +142,7 @@ Status describeAll(const std::vector<std::filesystem::path>& files, Json& list) 
 }
 
 Status openAdditions(const PlanArguments& arguments, OpenedPlan& opened) {
-  auto picture = openPictures(arguments.scene, opened.input->info(), arguments.foreign.allowed);
+  auto picture = openPictures(arguments.scene, opened.source().info(), arguments.foreign.allowed);
   if (!picture) return picture.error();
   opened.picture = std::move(*picture);
   auto additions = additionsOf(arguments.scene, opened.picture.get());
@@ -162,25 +181,27 @@ Result<OpenedPlan> open(const std::filesystem::path& path, PlanUse use,
     if (!found) return found.error();
     voids = std::move(found).value();
   }
-  confineTo(arguments.foreign, is_merge ? filesOf(arguments) : filesOf(arguments.elevation), outputs);
+  confineTo(arguments.foreign, is_merge ? filesOf(arguments) : groundFilesOf(arguments), outputs);
   OpenedPlan opened;
-  auto source = terrain::openElevation(arguments.elevation.inputs, arguments.elevation.open);
-  if (!source) return source.error();
-  opened.input = std::move(source).value();
+  auto input = openGround(arguments.elevation, arguments.epochs, datesOf(*json));
+  if (!input) return input.error();
+  opened.input = std::move(input).value();
+  if (!is_merge)
+    if (Status s = openEpochs(arguments.elevation, arguments.epochs, opened.input); !s.ok()) return s.error();
   const uint32_t block_log2 = json->at("block_log2");
   if (block_log2 < terrain::Blocks::kLeastLog2 || block_log2 > 12) return damaged(path, "block_log2");
-  auto plan = terrain::emptyPlan(*opened.input, json->at("height_quantum_m"), block_log2);
+  auto plan = terrain::emptyPlan(opened.source(), json->at("height_quantum_m"), block_log2, arguments.epochs.blend);
   if (!plan) return plan.error();
   opened.plan = std::move(plan).value();
+  opened.plan.epochs = terrain::datesOf(opened.input.epochs);
   if (Status s = fill(*json, opened.plan); !s.ok()) return s.error();
   const auto grid = proto::GridTopology::create(opened.plan.shape);
   if (opened.plan.ids.size() != terrain::Blocks{*grid, block_log2}.count() ||
       hex(opened.plan.id()) != json->at("id").get<std::string>())
     return Error{ErrorCode::kInvalidArgument,
-                 path.string() + ": does not fit " + opened.input->info().title +
+                 path.string() + ": does not fit " + opened.source().info().title +
                      " as it is now, or was edited; make the plan again with foreland plan"};
   opened.plan.voids = std::move(voids);
-  if (opened.plan.voids) opened.filled = std::make_unique<terrain::FilledSource>(*opened.input, *opened.plan.voids);
   if (is_merge)
     if (Status s = openAdditions(arguments, opened); !s.ok()) return s.error();
   return opened;
@@ -190,6 +211,7 @@ Result<OpenedPlan> open(const std::filesystem::path& path, PlanUse use,
 
 void describePlanned(CLI::App& app, PlanArguments& arguments) {
   describeInputs(app, arguments.elevation);
+  describeEpochs(app, arguments.epochs);
   describeAdditions(app, arguments.scene);
   addForeignFiles(app, arguments.foreign);
 }
@@ -232,8 +254,10 @@ Status writePlan(const std::filesystem::path& path, const std::vector<std::strin
                      {"content", hex(plan.voids->id())},
                      {"samples", plan.voids_filled},
                      {"note", plan.voids_note}};
+  for (const terrain::BlockEpoch& epoch : plan.epochs)
+    json["epochs"].push_back({{"date", epoch.date}, {"time_us", epoch.time.us}});
   json["blocks"] = Json::array();
-  if (Status s = describeAll(filesOf(arguments.elevation), json["sources"]); !s.ok()) return s;
+  if (Status s = describeAll(groundFilesOf(arguments), json["sources"]); !s.ok()) return s;
   if (Status s = describeAll(filesOf(arguments.scene), json["additions"]); !s.ok()) return s;
   for (const uint64_t id : plan.ids) json["blocks"].push_back({{"id", hex(id)}});
   const std::string text = json.dump(1) + "\n";
@@ -246,7 +270,7 @@ Status writePlan(const std::filesystem::path& path, const std::vector<std::strin
 std::filesystem::path voidsBeside(const std::filesystem::path& plan) { return plan.string() + "."; }
 
 std::vector<std::filesystem::path> filesOf(const PlanArguments& arguments) {
-  std::vector<std::filesystem::path> files = filesOf(arguments.elevation);
+  std::vector<std::filesystem::path> files = groundFilesOf(arguments);
   const std::vector<std::filesystem::path> of_scene = filesOf(arguments.scene);
   files.insert(files.end(), of_scene.begin(), of_scene.end());
   return files;
@@ -260,6 +284,22 @@ Result<terrain::SceneAdditions> additionsOf(const SceneArguments& arguments, ter
                                  .picture = picture,
                                  .imagery_quality = arguments.imagery_quality,
                                  .attribution = arguments.attribution};
+}
+
+Result<std::string> changedEpoch(const std::filesystem::path& plan) {
+  try {
+    const auto json = readJson(plan);
+    if (!json) return json.error();
+    PlanArguments arguments;
+    if (Status s = parseWords(json->at("arguments").get<std::vector<std::string>>(), arguments); !s.ok())
+      return s.error();
+    for (const std::filesystem::path& file : filesOf(arguments.epochs)) {
+      const auto found = describeSource(file);
+      const Json& sources = json->at("sources");
+      if (!found || std::ranges::find(sources, *found) == sources.end()) return file.string();
+    }
+    return std::string();
+  } catch (const std::exception& error) { return damaged(plan, error.what()); }
 }
 
 Result<OpenedPlan> openPlan(const std::filesystem::path& path, PlanUse use,

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "apps/build/elevation_options.h"
+#include "apps/build/epoch_options.h"
 #include "apps/build/scene_options.h"
 #include "apps/options/foreign_files.h"
 #include "base/result.h"
@@ -20,6 +21,7 @@ namespace foreland::apps {
 
 struct PlanArguments {
   ElevationArguments elevation;
+  EpochArguments epochs;
   SceneArguments scene;
   ForeignFiles foreign;
 };
@@ -30,6 +32,9 @@ std::vector<std::string> plannedWords(const CLI::App& app);
 
 // All files that the words name, for reading. Some may not be there.
 std::vector<std::filesystem::path> filesOf(const PlanArguments& arguments);
+
+// The file of an epoch that is not what the plan was made of; nothing if they all are. Reads all of them.
+Result<std::string> changedEpoch(const std::filesystem::path& plan);
 
 Status writePlan(const std::filesystem::path& path, const std::vector<std::string>& words,
                  const PlanArguments& arguments, const terrain::BlockPlan& plan);
@@ -42,11 +47,11 @@ enum class PlanUse : uint8_t { kBlock, kMerge };
 
 struct OpenedPlan {
   terrain::BlockPlan plan;
-  std::unique_ptr<terrain::ElevationSource> input;
-  std::unique_ptr<terrain::ElevationSource> filled;  // the input without voids; null if it has none, or for kMerge
+  OpenedGround input;  // for kMerge without the files of its epochs
   std::unique_ptr<terrain::PictureSource> picture;
   terrain::SceneAdditions additions;  // with that picture
-  terrain::ElevationSource& source() const { return filled ? *filled : *input; }
+  terrain::ElevationSource& source() const { return *input.source; }
+  terrain::GroundInTime ground() const { return {source(), input.epochs, plan.voids}; }
 };
 // Opens a plan and the inputs that its use needs, and confines the process to them and to the folders of `outputs`. An
 // Error says what of the plan is damaged, or which file is another one than it was: of elevation the blocks' names

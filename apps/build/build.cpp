@@ -7,27 +7,22 @@
 #include <cstdio>
 #include <filesystem>
 #include <glm/vec2.hpp>
-#include <map>
 #include <memory>
-#include <optional>
-#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "apps/build/elevation_options.h"
+#include "apps/build/epoch_options.h"
 #include "apps/build/scene_options.h"
 #include "apps/build/scene_report.h"
 #include "apps/options/command_line.h"
-#include "apps/options/date.h"
 #include "apps/options/foreign_files.h"
 #include "apps/options/options.h"
 #include "apps/options/output_file.h"
 #include "apps/options/toml_config.h"
 #include "apps/report/progress_line.h"
 #include "apps/stop_signal.h"
-#include "terrain/dem/on_lattice.h"
-#include "terrain/dem/open.h"
 #include "terrain/dem/open_globe.h"
 #include "terrain/dem/pictures/globe_pictures.h"
 #include "terrain/dem/vertical/height_reference.h"
@@ -35,7 +30,6 @@
 #include "terrain/pipeline/build.h"
 #include "terrain/pipeline/build_by_blocks.h"
 #include "terrain/pipeline/globe_build.h"
-#include "terrain/surface_store/mapped_surface.h"
 
 namespace {
 
@@ -48,8 +42,7 @@ struct Arguments {
   bool is_globe = false, has_sea = false;
   unsigned threads = 0, memory_mib = 1024;
   apps::SceneArguments scene;
-  std::vector<std::string> epochs;
-  proto::EpochBlend epoch_blend = proto::EpochBlend::kLinear;
+  apps::EpochArguments epochs;
   apps::ForeignFiles foreign;
 };
 
@@ -73,39 +66,13 @@ void describeElevation(CLI::App& app, Arguments& arguments) {
       ->capture_default_str();
   app.add_option(
          "--memory", arguments.memory_mib,
-         "MiB for heights: of inputs that take more (4 bytes a sample), a scene that does not change in time is made "
-         "block by block, and blocks are kept beside it until it is complete, so that a build that ended goes on")
+         "MiB for heights: of inputs that take more (4 bytes a sample; 25 where the ground changes in time, and 4 for "
+         "each "
+         "sample of an epoch) a scene is made block by block, and blocks are kept beside it until it is complete, so "
+         "that a build that ended goes on")
       ->type_name(apps::whole("MIB"))
       ->check(apps::within(1u, 1u << 30))
       ->capture_default_str();
-}
-
-void describeEpochs(CLI::App& app, Arguments& arguments) {
-  app.add_option("--epoch", arguments.epochs,
-                 "the ground at a date: the scene changes in time from the first date to the last. The file may have "
-                 "any grid and resolution; outside of it, and where it has no data, the ground is as at the date "
-                 "before. The first is laid over INPUT")
-      ->type_name(apps::text("YYYY-MM-DD=FILE"))
-      ->allow_extra_args(false);
-  static const std::map<std::string, proto::EpochBlend> blends{{"linear", proto::EpochBlend::kLinear},
-                                                               {"catmull-rom", proto::EpochBlend::kCatmullRom},
-                                                               {"b-spline", proto::EpochBlend::kBSpline}};
-  app.add_option_function<std::string>(
-         "--epoch-blend", [&](const std::string& name) { arguments.epoch_blend = blends.at(name); },
-         "how the ground moves from date to date: straight; catmull-rom: smoothly through every date's; b-spline: more "
-         "smoothly, and past all but the first and the last")
-      ->check(apps::oneOf({"linear", "catmull-rom", "b-spline"}))
-      ->default_str("linear");
-}
-
-// From here on inputs and epochs are names of files.
-void takeVerticals(Arguments& arguments) {
-  apps::takeVerticals(arguments.elevation);
-  for (std::string& epoch : arguments.epochs) {
-    const size_t split = epoch.find('=');
-    if (split != std::string::npos && epoch.find(apps::kVerticalOfOne) > split)
-      epoch = epoch.substr(0, split + 1) + apps::withoutVertical(epoch.substr(split + 1), arguments.elevation.open);
-  }
 }
 
 int fail(const Error& error) {
@@ -120,51 +87,9 @@ Status checkOutput(const Arguments& arguments) {
     if (Status s = apps::checkApart(arguments.output, input, "one of the inputs"); !s.ok()) return s;
   for (const terrain::InsetFile& inset : arguments.elevation.open.insets)
     if (Status s = apps::checkApart(arguments.output, inset.file, "one of the insets"); !s.ok()) return s;
+  for (const std::filesystem::path& epoch : apps::filesOf(arguments.epochs))
+    if (Status s = apps::checkApart(arguments.output, epoch, "one of the epochs"); !s.ok()) return s;
   return apps::checkApart(arguments.output, arguments.scene);
-}
-
-struct OpenedEpochs {
-  std::vector<std::unique_ptr<terrain::ElevationSource>> sources;
-  std::vector<terrain::EpochRequest> requests;
-};
-
-// Epochs at which the ground stays as it is, for the poses of the objects.
-Result<std::vector<terrain::EpochRequest>> epochsOfPoses(const std::vector<terrain::ObjectRequest>& objects) {
-  std::set<Time> times;
-  for (const terrain::ObjectRequest& object : objects) {
-    const auto surface = terrain::MappedSurface::open(object.model);
-    if (!surface.ok()) return surface.error();
-    times.insert((*surface)->poseTimes().begin(), (*surface)->poseTimes().end());
-  }
-  std::vector<terrain::EpochRequest> epochs;
-  for (const Time& time : times) epochs.push_back({time, apps::dateText(time), nullptr});
-  return epochs;
-}
-
-// Heights of epochs count from what the scene's do, and lie on its lattice.
-Result<OpenedEpochs> openEpochs(const Arguments& arguments, const std::string& scene_vertical,
-                                const terrain::ElevationInfo& scene) {
-  OpenedEpochs epochs;
-  terrain::OpenOptions open = arguments.elevation.open;
-  open.insets.clear();
-  if (!scene_vertical.empty()) open.scene_vertical = scene_vertical;
-  for (const std::string& text : arguments.epochs) {
-    const size_t split = text.find('=');
-    const auto time = split == std::string::npos ? std::nullopt : apps::parseDate(text.substr(0, split));
-    if (!time || split + 1 == text.size())
-      return Error{ErrorCode::kInvalidArgument, "--epoch " + text +
-                                                    ": write YYYY-MM-DD=FILE, for example "
-                                                    "2004-10-04=dome.tif"};
-    const std::filesystem::path file = text.substr(split + 1);
-    if (Status s = apps::checkApart(arguments.output, file, "one of the epochs"); !s.ok()) return s.error();
-    auto source = terrain::openElevation({file}, open);
-    if (source.ok() && !terrain::isOnLatticeOf((*source)->info(), scene))
-      source = terrain::openOnLattice(file, open, scene);
-    if (!source) return Error{source.error().code, "epoch " + text.substr(0, split) + ": " + source.error().message};
-    epochs.requests.push_back({*time, text.substr(0, split), source->get()});
-    epochs.sources.push_back(std::move(*source));
-  }
-  return epochs;
 }
 
 // All files that the command names, for reading. Some may not be there.
@@ -172,18 +97,9 @@ std::vector<std::filesystem::path> filesOf(const Arguments& arguments) {
   std::vector<std::filesystem::path> files = apps::filesOf(arguments.elevation);
   const std::vector<std::filesystem::path> of_scene = apps::filesOf(arguments.scene);
   files.insert(files.end(), of_scene.begin(), of_scene.end());
-  for (const std::string& text : arguments.epochs) files.emplace_back(text.substr(text.find('=') + 1));
+  const std::vector<std::filesystem::path> of_epochs = apps::filesOf(arguments.epochs);
+  files.insert(files.end(), of_epochs.begin(), of_epochs.end());
   return files;
-}
-
-// As an option would say it; empty if nothing is stated, or no option can say it.
-std::string verticalOfScene(const Arguments& arguments, const terrain::ElevationInfo& info) {
-  if (info.vertical.name.empty()) return {};
-  if (arguments.elevation.open.scene_vertical) return *arguments.elevation.open.scene_vertical;
-  const auto own = arguments.elevation.open.vertical_of.find(arguments.elevation.inputs.front().string());
-  const auto choice = own != arguments.elevation.open.vertical_of.end() ? std::optional(own->second)
-                                                                        : arguments.elevation.open.vertical;
-  return choice && *choice != terrain::kAsTheFileSays ? *choice : terrain::choiceNamed(info.vertical.name);
 }
 
 // What a globe cannot have.
@@ -191,7 +107,7 @@ Status checkGlobe(const Arguments& arguments) {
   const auto refused = [](const char* what) {
     return Error{ErrorCode::kUnsupported, std::string("--globe takes no ") + what + " yet; leave it out"};
   };
-  if (!arguments.epochs.empty()) return refused("--epoch");
+  if (!arguments.epochs.epochs.empty()) return refused("--epoch");
   if (arguments.elevation.open.scene_vertical && *arguments.elevation.open.scene_vertical != terrain::kEllipsoidName)
     return Error{ErrorCode::kInvalidArgument, "--scene-vertical " + *arguments.elevation.open.scene_vertical +
                                                   ": the heights of a globe are above the ellipsoid; leave it out"};
@@ -254,14 +170,21 @@ int buildGlobe(const Arguments& arguments) {
   });
 }
 
+// About what a build at once holds of heights: in time also the lowest and the highest, the ground of a date, errors,
+// and all that epochs say.
+uint64_t bytesAtOnce(const terrain::ElevationInfo& info, const std::vector<terrain::EpochRequest>& epochs) {
+  const auto samples = [](const terrain::ElevationInfo& of) { return uint64_t{of.width} * of.height; };
+  uint64_t bytes = samples(info) * (epochs.empty() ? sizeof(float) : 25);
+  for (const terrain::EpochRequest& epoch : epochs)
+    if (epoch.source) bytes += samples(epoch.source->info()) * sizeof(float);
+  return bytes;
+}
+
 // Whether heights take more memory than they may, and all that is wanted can be made block by block.
 bool isByBlocks(const Arguments& arguments, const terrain::ElevationSource& source,
                 const terrain::BuildOptions& options) {
-  const terrain::ElevationInfo& info = source.info();
-  const uint64_t bytes = uint64_t{info.width} * info.height * sizeof(float);
-  return bytes > uint64_t{arguments.memory_mib} << 20 && options.epochs.empty() &&
-         options.epoch_blend == proto::EpochBlend::kLinear &&
-         terrain::emptyPlan(source, options.height_quantum_m, 10).ok();
+  return bytesAtOnce(source.info(), options.epochs) > uint64_t{arguments.memory_mib} << 20 &&
+         terrain::emptyPlan(source, options.height_quantum_m, 10, options.epoch_blend).ok();
 }
 
 Result<terrain::BuildReport> buildByBlocks(const Arguments& arguments, terrain::ElevationSource& source,
@@ -269,7 +192,9 @@ Result<terrain::BuildReport> buildByBlocks(const Arguments& arguments, terrain::
   return terrain::buildByBlocks(source,
                                 {.plan = {.height_quantum_m = options.height_quantum_m,
                                           .widen_quantum = options.widen_quantum,
-                                          .memory_bytes = uint64_t{arguments.memory_mib} << 20},
+                                          .memory_bytes = uint64_t{arguments.memory_mib} << 20,
+                                          .epochs = options.epochs,
+                                          .epoch_blend = options.epoch_blend},
                                  .output = options.output,
                                  .threads = options.threads,
                                  .additions = {.page_coding = options.page_coding,
@@ -285,32 +210,29 @@ int build(const Arguments& arguments) {
   if (Status s = checkOutput(arguments); !s.ok()) return fail(s.error());
   auto objects = apps::parseObjects(arguments.scene);
   if (!objects.ok()) return fail(objects.error());
-  auto of_poses = epochsOfPoses(*objects);
+  auto of_poses = apps::epochsOfPoses(*objects);
   if (!of_poses.ok()) return fail(of_poses.error());
-  terrain::OpenOptions open = arguments.elevation.open;
-  // What changes in time has heights everywhere.
-  if (!arguments.epochs.empty() || !of_poses->empty()) open.lattice = terrain::LatticeChoice::kWhole;
-  auto source = terrain::openElevation(arguments.elevation.inputs, open);
-  if (!source.ok()) return fail(source.error());
-  apps::describeInput((*source)->info());
+  auto ground = apps::openGround(arguments.elevation, arguments.epochs, std::move(*of_poses));
+  if (!ground.ok()) return fail(ground.error());
+  const std::unique_ptr<terrain::ElevationSource>& source = ground->source;
+  apps::describeInput(source->info());
+  if (Status s = apps::openEpochs(arguments.elevation, arguments.epochs, *ground); !s.ok()) return fail(s.error());
   terrain::BuildOptions options{.output = arguments.output,
-                                .height_quantum_m = apps::chooseVerticalStep(arguments.elevation, (*source)->info()),
+                                .height_quantum_m = apps::chooseVerticalStep(arguments.elevation, source->info()),
                                 .threads = arguments.threads,
                                 .page_coding = arguments.scene.page_coding,
                                 .widen_quantum = !arguments.elevation.vertical_step_m,
                                 .objects = std::move(*objects)};
-  auto epochs = openEpochs(arguments, verticalOfScene(arguments, (*source)->info()), (*source)->info());
-  if (!epochs.ok()) return fail(epochs.error());
-  options.epochs = epochs->requests.empty() ? std::move(*of_poses) : epochs->requests;
-  options.epoch_blend = arguments.epoch_blend;
-  const auto picture = apps::openPictures(arguments.scene, (*source)->info(), arguments.foreign.allowed);
+  options.epochs = ground->epochs;
+  options.epoch_blend = arguments.epochs.blend;
+  const auto picture = apps::openPictures(arguments.scene, source->info(), arguments.foreign.allowed);
   if (!picture.ok()) return fail(picture.error());
   options.picture = picture->get();
   options.imagery_quality = arguments.scene.imagery_quality;
   options.attribution = arguments.scene.attribution;
   return runBuild(arguments, begun, [&](const terrain::Progress& progress) {
-    return isByBlocks(arguments, **source, options) ? buildByBlocks(arguments, **source, options, progress)
-                                                    : terrain::buildScene(**source, options, progress);
+    return isByBlocks(arguments, *source, options) ? buildByBlocks(arguments, *source, options, progress)
+                                                   : terrain::buildScene(*source, options, progress);
   });
 }
 
@@ -321,7 +243,7 @@ int main(int argc, char** argv) {
   Arguments arguments;
   describeElevation(app, arguments);
   apps::describeAdditions(app, arguments.scene);
-  describeEpochs(app, arguments);
+  apps::describeEpochs(app, arguments.epochs);
   apps::addForeignFiles(app, arguments.foreign);
   apps::addConfiguration(app);
   const auto exit_code = apps::parseCommandLine(
@@ -338,7 +260,8 @@ int main(int argc, char** argv) {
        {"all of a world in a file: INPUT = ['etopo20.cdf'], globe = true, inset = ['alps.tif', 'fuji.tif']",
         "foreland build --config WORLD.toml -o planet.fls"}});
   if (exit_code) return *exit_code;
-  takeVerticals(arguments);
+  apps::takeVerticals(arguments.elevation);
+  apps::takeVerticals(arguments.epochs, arguments.elevation.open);
   if (Status s = apps::takeInsets(arguments.elevation); !s.ok()) return fail(s.error());
   arguments.elevation.open.allowed_folders = arguments.foreign.allowed;
   apps::confineTo(arguments.foreign, filesOf(arguments), {arguments.output});

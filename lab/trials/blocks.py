@@ -15,6 +15,7 @@ programs are those of FORELAND_BIN (default build/release/bin).
     full          a disk with room for some blocks, then for all blocks but not for the scene, then for both
     input         one tile is replaced by another one
     dressed       voids, a picture and coded pages beside the ground
+    epochs        ground that changes in time, of which the file of one date is replaced by another one
     slurm         a job of Slurm for each block, where sbatch is (a controller and a node of this machine's will do)
 """
 
@@ -293,6 +294,35 @@ def dress(trial):
     shutil.rmtree(scene.parent)
 
 
+def change_in_time(trial):
+    """The ground everywhere at one date, and that of one tile at the next one."""
+    scene, surveys = trial.room("epochs"), trial.folder / "surveys"
+    surveys.mkdir()
+    number = trial.chance.randrange(trial.options.tiles**2)
+
+    def survey(expression, outfile):
+        must("gdal_calc.py", "-A", trial.folder / "land.tif", "--calc", expression, "--outfile", outfile, "--quiet", "--overwrite")
+
+    def step(text):
+        survey({"before": "A*0.7", "after": "A*0.8"}[text], trial.folder / "then.tif")
+        trial.cut(trial.folder / "then.tif", [number], surveys)
+        wanted, _ = build(trial.inputs(), trial.folder / "epochs.fls", *more)
+        trial.law(trial.run(scene, 2, more=" ".join(map(str, more)), also=f"{everywhere} {surveys}/*.tif") == 0, f"epochs: Snakemake failed {text}")
+        trial.nothing_half_written(Path(f"{scene}.work"), "epochs")
+        return trial.is_the_scene(scene, f"epochs {text}", wanted), blocks_of(scene)
+
+    everywhere = trial.folder / "everywhere.tif"
+    survey("A*0.9", everywhere)
+    more = ["--epoch", f"2001-01-01={trial.tiles}/{number:03}.tif", "--epoch", f"2002-01-01={everywhere}", "--epoch", f"2003-01-01={surveys}/{number:03}.tif", "--epoch-blend", "b-spline"]
+    is_same_before, before = step("before")
+    is_same, after = step("after")
+    again, plan = sum(before.get(name) != at for name, at in after.items()), plan_of(scene)
+    reached = reached_by(trial, number, plan)
+    trial.law(0 < again <= reached, f"epochs: {again} blocks were made again, and the survey reaches {reached}")
+    trial.report["epochs"] = {"same": is_same_before and is_same, "blocks": len(plan["blocks"]), "made_again": again, "reached": reached, "memory_mib": plan["memory_mib"]}
+    shutil.rmtree(scene.parent)
+
+
 def run_by_slurm(trial):
     if not shutil.which("sbatch") or subprocess.run(["sinfo"], check=False, capture_output=True).returncode != 0:
         trial.report["slurm"] = {"skipped": "no Slurm answers here: Debian's slurmctld, slurmd and slurm-client, with a slurm.conf of one node"}
@@ -304,7 +334,7 @@ def run_by_slurm(trial):
 
 
 TRIALS = {"memory": measure_memory, "order": run_in_any_order, "job": kill_a_job, "snakemake": kill_snakemake, "full": fill_the_disk, "input": replace_an_input,
-          "dressed": dress, "slurm": run_by_slurm}
+          "dressed": dress, "epochs": change_in_time, "slurm": run_by_slurm}
 
 
 def main():

@@ -15,6 +15,13 @@ LatticeWindow LatticeWindow::hull(const LatticeWindow& a, const LatticeWindow& b
   return {x, y, std::max(a.x + a.width, b.x + b.width) - x, std::max(a.y + a.height, b.y + b.height) - y};
 }
 
+LatticeWindow LatticeWindow::common(const LatticeWindow& a, const LatticeWindow& b) {
+  const uint32_t x = std::max(a.x, b.x), y = std::max(a.y, b.y), end_x = std::min(a.x + a.width, b.x + b.width),
+                 end_y = std::min(a.y + a.height, b.y + b.height);
+  if (end_x <= x || end_y <= y) return {};
+  return {x, y, end_x - x, end_y - y};
+}
+
 namespace {
 
 bool isBefore(const BaseOffset& a, const BaseOffset& b) {

@@ -32,6 +32,8 @@ struct LatticeWindow {
   bool contains(uint32_t at_x, uint32_t at_y) const { return at_x - x < width && at_y - y < height; }
   // The smallest window that holds both.
   static LatticeWindow hull(const LatticeWindow& a, const LatticeWindow& b);
+  // What is in both.
+  static LatticeWindow common(const LatticeWindow& a, const LatticeWindow& b);
   bool operator==(const LatticeWindow&) const = default;
 };
 

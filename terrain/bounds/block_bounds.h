@@ -8,6 +8,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "base/result.h"
@@ -54,9 +55,44 @@ struct BlockBounds {
   std::vector<std::vector<PageReach>> reach;  // of each fine level, the coarsest first, of its pages
 };
 
-// `quanta` are the heights of all points of withHalo(), row by row; beyond the data those of the nearest sample.
-BlockBounds boundBlock(const Blocks& blocks, const proto::Frame& frame, const proto::GeographicTables& tables,
-                       uint32_t column, uint32_t row, std::span<const int32_t> quanta);
+// Heights of all points of withHalo(), row by row; beyond the data those of the nearest sample.
+using HaloHeights = std::span<const int32_t>;
+
+// Makes the bounds of one block. One owner.
+class BlockBounder {
+ public:
+  // All must outlive it.
+  BlockBounder(const Blocks& blocks, const proto::Frame& frame, const proto::GeographicTables& tables, uint32_t column,
+               uint32_t row);
+
+  // In a scene that changes in time: the ground at another time, which differs from those before in the lattice rows
+  // from first_row to last_row alone. Errors are the largest of all grounds'.
+  void addErrors(HaloHeights ground, uint32_t first_row, uint32_t last_row);
+  // `ground` is the first one; `extremes` are empty, or in scenes that change in time the lowest and the highest
+  // heights at any time. To be called once.
+  BlockBounds finish(HaloHeights ground, std::span<const HaloHeights> extremes);
+
+ private:
+  proto::QuantisedError& errorAt(uint32_t x, uint32_t y) {
+    return result_.errors[size_t{y - own_.low_y} * widthOf(own_) + (x - own_.low_x)];
+  }
+  // The bounds that the window has as a lattice of its own, by slot; of rows, too.
+  std::vector<NodeRecord> boundWindow(HaloHeights ground, uint32_t first_row, uint32_t last_row) const;
+  void addFineErrors(HaloHeights ground);
+  void addCoarseErrors(HaloHeights ground);
+  template <class Error>
+  void addCoarseErrors(const Error& error);
+
+  const Blocks& blocks_;
+  const proto::GridTopology& grid_;
+  const proto::Frame& frame_;
+  const proto::GeographicTables& tables_;
+  uint32_t column_, row_;
+  ErrorWindow own_, halo_;
+  std::optional<proto::GridTopology> local_;       // none if no support of the block holds data
+  std::vector<proto::QuantisedError> min_errors_;  // by slot of it, at the other times; empty if there are none
+  BlockBounds result_;
+};
 
 // Calls visit(node) for the nodes that are coarser than a block's own can be and whose supports may reach into it.
 template <class Visit>

@@ -33,9 +33,11 @@ void load(const RowPositions& positions, const NodeRow& row, uint32_t first, uin
 
 class ReachPass {
  public:
-  ReachPass(const proto::GridTopology& grid, const RowPositions& positions, const PageWindow& pages)
+  ReachPass(const proto::GridTopology& grid, const RowPositions& positions, std::span<const RowPositions> extremes,
+            const PageWindow& pages)
       : grid_(grid),
         positions_(positions),
+        extremes_(extremes),
         pages_(pages),
         level_(grid, pages.level),
         first_(pages.first_column * kTileCells),
@@ -123,23 +125,28 @@ class ReachPass {
   // The lattice points around a finest side, and its own.
   void samples(uint32_t cell, const NodeRow& row) {
     load(positions_, row, first_, last_, Content::kMiddles, own_);
+    samples(positions_, cell, row);
+    for (const RowPositions& positions : extremes_) samples(positions, cell, row);
+  }
+  void samples(const RowPositions& positions, uint32_t cell, const NodeRow& row) {
     const bool along_x = row.first_x == 1;
     Row& other = kept_[0];
     const NodeRow beside = along_x ? NodeRow{row.y, 0, 2, row.count + 1, 1} : NodeRow{row.y, 1, 2, row.count - 1, 1};
-    load(positions_, beside, first_ == 0 ? 0 : first_ - 1, last_ + 1, Content::kSamples, other);
+    load(positions, beside, first_ == 0 ? 0 : first_ - 1, last_ + 1, Content::kSamples, other);
     include(cell, other, 1, along_x ? 0 : -1, 0);
     include(cell, other, 1, along_x ? 1 : 0, 0);
     for (int64_t y = int64_t{row.y} - 1; y <= int64_t{row.y} + 1; ++y) {
       if (y < 0 || y > grid_.maxY()) continue;
       NodeRow here = row;
       here.y = static_cast<uint32_t>(y);
-      load(positions_, here, first_, last_, Content::kSamples, other);
+      load(positions, here, first_, last_, Content::kSamples, other);
       include(cell, other, 1, 0, 0);
     }
   }
 
   const proto::GridTopology& grid_;
   const RowPositions& positions_;
+  std::span<const RowPositions> extremes_;
   const PageWindow& pages_;
   NodeLevel level_;
   uint32_t first_, last_;  // cells along x
@@ -152,8 +159,8 @@ class ReachPass {
 }  // namespace
 
 std::vector<PageReach> reachOf(const proto::GridTopology& grid, const RowPositions& positions,
-                               const PageWindow& pages) {
-  return ReachPass(grid, positions, pages).run();
+                               std::span<const RowPositions> extremes, const PageWindow& pages) {
+  return ReachPass(grid, positions, extremes, pages).run();
 }
 
 }  // namespace foreland::terrain

@@ -33,7 +33,9 @@ struct PageWindow {
 };
 
 // Row by row. `positions` must know heights as far from the pages' nodes as the nodes' children are, and these edges.
-std::vector<PageReach> reachOf(const proto::GridTopology& grid, const RowPositions& positions, const PageWindow& pages);
+// `extremes` have samples that spheres must hold, too, as SphereRows has them.
+std::vector<PageReach> reachOf(const proto::GridTopology& grid, const RowPositions& positions,
+                               std::span<const RowPositions> extremes, const PageWindow& pages);
 
 // The radius of a page at a place; radiusOf(its column, its row) is that of a page of the next level.
 template <class RadiusOf>

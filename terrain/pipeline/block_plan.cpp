@@ -39,7 +39,15 @@ struct Seen {
   std::array<bool, 3> fits{true, true, true};
   float lowest = HUGE_VALF, highest = -HUGE_VALF;
   uint64_t voids = 0;
+  bool says_something = false;
 
+  // Of an epoch, whose voids are no lack.
+  void addUnlessVoid(float h) {
+    if (std::isnan(h)) return;
+    says_something = true;
+    if (std::isfinite(h)) return add(h);
+    lowest = std::min(lowest, h), highest = std::max(highest, h);  // fits no quantum
+  }
   void add(float h) {
     if (!std::isfinite(h)) {
       ++voids;
@@ -50,21 +58,38 @@ struct Seen {
   }
 };
 
-Status checkHeight(const std::string& title, float height_m, double quantum_m) {
-  if (quantised(height_m, quantum_m)) return {};
-  return Error{ErrorCode::kLimit, title + ": a height of " + std::to_string(height_m) + " m does not fit steps of " +
-                                      std::to_string(quantum_m) +
-                                      " m; use a larger --vertical-step or name the void value with --nodata"};
+Error doesNotFit(const std::string& title, float height_m, double quantum_m) {
+  return {ErrorCode::kLimit, title + ": a height of " + std::to_string(height_m) + " m does not fit steps of " +
+                                 std::to_string(quantum_m) +
+                                 " m; use a larger --vertical-step or name the void value with --nodata"};
 }
 
-void chooseQuantum(const Seen& seen, const PlanOptions& options, BlockPlan& plan) {
+// `seen` of the ground and of each epoch.
+void chooseQuantum(std::span<const Seen> seen, const PlanOptions& options, BlockPlan& plan) {
   if (!options.widen_quantum) return;
   for (size_t i = 0; i < Seen::kQuanta.size() && Seen::kQuanta[i] > options.height_quantum_m; ++i)
-    if (seen.fits[i]) {
+    if (std::ranges::all_of(seen, [&](const Seen& of) { return of.fits[i]; })) {
       plan.frame.height_quantum_m = Seen::kQuanta[i];
       plan.quantum_note = quantumNote(Seen::kQuanta[i]);
       return;
     }
+}
+
+// Of a date and what is said of a window then; `id` if that is nothing.
+uint64_t epochId(const EpochSamples& epoch, const proto::LatticeWindow& window, uint64_t id) {
+  const proto::LatticeWindow common = proto::LatticeWindow::common(epoch.window, window);
+  if (common.isEmpty()) return id;
+  bool says_something = false;
+  uint64_t with_epoch = xxh64(bytesOf(epoch.time.us), id);
+  std::vector<float> row(window.width);
+  for (uint32_t y = window.y; y < window.y + window.height; ++y) {
+    std::ranges::fill(row, kVoid);
+    if (y >= common.y && y < common.y + common.height)
+      for (uint32_t x = common.x; x < common.x + common.width; ++x)
+        if (const float h = epoch.at(x, y); !std::isnan(h)) row[x - window.x] = h, says_something = true;
+    with_epoch = xxh64({reinterpret_cast<const uint8_t*>(row.data()), row.size() * sizeof(float)}, with_epoch);
+  }
+  return says_something ? with_epoch : id;
 }
 
 // Of the heights alone.
@@ -75,6 +100,7 @@ uint64_t contentId(const ElevationInfo& info, const ErrorWindow& window, const H
     for (uint32_t x = window.low_x; x <= window.high_x; ++x) row[x - window.low_x] = heights.at(info, x, y);
     id = xxh64({reinterpret_cast<const uint8_t*>(row.data()), row.size() * sizeof(float)}, id);
   }
+  for (const EpochSamples& epoch : heights.epochs) id = epochId(epoch, samplesIn(window, info), id);
   return id;
 }
 
@@ -85,25 +111,49 @@ uint64_t blockIdOf(uint64_t common, uint32_t column, uint32_t row, uint64_t cont
 
 }  // namespace
 
-uint64_t BlockPlan::id() const {
-  return xxh64({reinterpret_cast<const uint8_t*>(ids.data()), ids.size() * sizeof(uint64_t)}, commonId(*this));
+std::vector<BlockEpoch> datesOf(const std::vector<EpochRequest>& epochs) {
+  std::vector<BlockEpoch> dates;
+  for (const EpochRequest& epoch : epochs) dates.push_back({epoch.time, epoch.date});
+  return dates;
 }
 
-Result<HeightWindow> readWindow(ElevationSource& source, const ErrorWindow& window) {
-  const ElevationInfo& info = source.info();
-  const uint32_t last_x = std::min(window.high_x, info.width - 1), last_y = std::min(window.high_y, info.height - 1);
-  HeightWindow part{std::min(window.low_x, last_x), std::min(window.low_y, last_y)};
-  part.width = last_x - part.x + 1, part.height = last_y - part.y + 1;
+uint64_t BlockPlan::id() const {
+  uint64_t id = xxh64({reinterpret_cast<const uint8_t*>(ids.data()), ids.size() * sizeof(uint64_t)}, commonId(*this));
+  for (const BlockEpoch& epoch : epochs) id = xxh64(bytesOf(epoch.time.us), id);
+  return epochs.empty() ? id : xxh64(bytesOf(epoch_blend), id);
+}
+
+GroundInTime::GroundInTime(ElevationSource& source, const std::vector<EpochRequest>& epochs,
+                           std::shared_ptr<const VoidFill> voids)
+    : laid_(atFirstEpoch(source, epochs)), ground_(laid_), voids_(std::move(voids)), epochs_(epochs) {
+  if (voids_) ground_ = std::make_shared<FilledSource>(*laid_, *voids_);
+}
+
+proto::LatticeWindow samplesIn(const ErrorWindow& window, const ElevationInfo& info) {
+  const uint32_t last_x = std::min(window.high_x, info.width - 1), last_y = std::min(window.high_y, info.height - 1),
+                 x = std::min(window.low_x, last_x), y = std::min(window.low_y, last_y);
+  return {x, y, last_x - x + 1, last_y - y + 1};
+}
+
+Result<HeightWindow> readWindow(const GroundInTime& ground, const ErrorWindow& window) {
+  const ElevationInfo& info = ground.info();
+  const proto::LatticeWindow samples = samplesIn(window, info);
+  HeightWindow part{samples.x, samples.y, samples.width, samples.height};
   part.metres.resize(size_t{part.width} * part.height);
   const auto step = static_cast<uint32_t>(std::max<uint64_t>(1, kSamplesAtOnce / info.width));
   std::vector<float> rows;
   for (uint32_t done = 0; done < part.height; done += step) {
     const uint32_t count = std::min(step, part.height - done);
     rows.resize(size_t{count} * info.width);
-    if (Status s = source.readRows(part.y + done, count, rows); !s.ok()) return s.error();
+    if (Status s = ground.first().readRows(part.y + done, count, rows); !s.ok()) return s.error();
     for (uint32_t i = 0; i < count; ++i)
       std::copy_n(rows.begin() + static_cast<ptrdiff_t>(size_t{i} * info.width + part.x), part.width,
                   part.metres.begin() + static_cast<ptrdiff_t>(size_t{done + i} * part.width));
+  }
+  for (const EpochRequest& request : ground.epochs()) {
+    auto epoch = readEpoch(request, info, part.epochs.empty() ? proto::LatticeWindow{} : samples);
+    if (!epoch) return epoch.error();
+    part.epochs.push_back(std::move(*epoch));
   }
   return part;
 }
@@ -114,23 +164,25 @@ uint64_t blockId(const BlockPlan& plan, const ElevationInfo& info, const Blocks&
 }
 
 Status forEachBlocks(
-    ElevationSource& source, const Blocks& blocks, uint64_t memory_bytes,
+    const GroundInTime& ground, const Blocks& blocks, uint64_t memory_bytes,
     const std::function<Status(uint32_t row, uint32_t first, uint32_t end, const HeightWindow& heights)>& visit) {
   const uint64_t side = (1ull << blocks.log2) + 2 * Blocks::kHalo;
+  const uint64_t grounds = std::max<uint64_t>(ground.epochs().size(), 1);
   const auto at_once = static_cast<uint32_t>(
-      std::clamp<uint64_t>(memory_bytes / 3 / (side * side * sizeof(float)), 1, blocks.columns()));
+      std::clamp<uint64_t>(memory_bytes / 3 / (side * side * sizeof(float) * grounds), 1, blocks.columns()));
   for (uint32_t row = 0; row < blocks.rows(); ++row)
     for (uint32_t first = 0; first < blocks.columns(); first += at_once) {
       const uint32_t end = std::min(first + at_once, blocks.columns());
       const ErrorWindow west = blocks.withHalo(first, row), east = blocks.withHalo(end - 1, row);
-      const auto heights = readWindow(source, {west.low_x, west.low_y, east.high_x, east.high_y});
+      const auto heights = readWindow(ground, {west.low_x, west.low_y, east.high_x, east.high_y});
       if (!heights) return heights.error();
       if (Status s = visit(row, first, end, *heights); !s.ok()) return s;
     }
   return {};
 }
 
-Result<BlockPlan> emptyPlan(const ElevationSource& source, double height_quantum_m, uint32_t block_log2) {
+Result<BlockPlan> emptyPlan(const ElevationSource& source, double height_quantum_m, uint32_t block_log2,
+                            proto::EpochBlend blend) {
   const ElevationInfo& info = source.info();
   const auto grid = gridFor(info);
   if (!grid) return grid.error();
@@ -142,35 +194,43 @@ Result<BlockPlan> emptyPlan(const ElevationSource& source, double height_quantum
     return Error{ErrorCode::kUnsupported, info.title + ": " + std::to_string(info.width) + " x " +
                                               std::to_string(info.height) +
                                               " samples are too few to be cut; foreland build makes them at once"};
-  BlockPlan plan{.shape = grid->shape(), .frame = info.frame, .block_log2 = block_log2};
+  if (blend == proto::EpochBlend::kCatmullRom)
+    return Error{ErrorCode::kUnsupported,
+                 info.title +
+                     ": ground that overshoots its epochs (--epoch-blend catmull-rom) is not made block by block yet; "
+                     "build it at once (foreland build with a larger --memory), or blend by b-spline"};
+  BlockPlan plan{.shape = grid->shape(), .frame = info.frame, .block_log2 = block_log2, .epoch_blend = blend};
   plan.frame.height_quantum_m = height_quantum_m;
   return plan;
 }
 
 namespace {
 
-// What a look at all samples finds, and whether it came to its end: it stops at a void.
+// What a look at all samples finds, and whether it came to its end: it stops at a void of the ground.
 struct Look {
-  Seen seen;
+  std::vector<Seen> seen;          // of the ground, then of each epoch
   std::vector<uint64_t> contents;  // by block
 };
 
-Result<Look> lookAt(ElevationSource& source, const Blocks& blocks, const PlanOptions& options, const Seen& seen,
+Result<Look> lookAt(const GroundInTime& ground, const Blocks& blocks, const PlanOptions& options, const Seen& seen,
                     const Progress& progress) {
-  Look look{seen, std::vector<uint64_t>(blocks.count())};
+  Look look{std::vector<Seen>(1 + ground.epochs().size()), std::vector<uint64_t>(blocks.count())};
+  look.seen[0] = seen;
   progress.report("looking", 0);
   const Status read =
-      forEachBlocks(source, blocks, options.memory_bytes,
+      forEachBlocks(ground, blocks, options.memory_bytes,
                     [&](uint32_t row, uint32_t first, uint32_t end, const HeightWindow& heights) -> Status {
-                      for (const float h : heights.metres) look.seen.add(h);
-                      if (look.seen.voids > 0) return stopped();
+                      for (const float h : heights.metres) look.seen[0].add(h);
+                      if (look.seen[0].voids > 0) return stopped();
+                      for (size_t i = 0; i < heights.epochs.size(); ++i)
+                        for (const float h : heights.epochs[i].metres) look.seen[1 + i].addUnlessVoid(h);
                       for (uint32_t column = first; column < end; ++column)
                         look.contents[uint64_t{row} * blocks.columns() + column] =
-                            contentId(source.info(), blocks.withHalo(column, row), heights);
+                            contentId(ground.info(), blocks.withHalo(column, row), heights);
                       progress.report("looking", static_cast<double>(row + 1) / blocks.rows());
                       return progress.keepGoing() ? Status() : Status(stopped());
                     });
-  if (!read.ok() && look.seen.voids == 0) return read.error();
+  if (!read.ok() && look.seen[0].voids == 0) return read.error();
   return look;
 }
 
@@ -182,36 +242,50 @@ Result<Look> fillAndLook(ElevationSource& source, const Blocks& blocks, const Pl
   const auto see = [&](std::span<const float> row) {
     for (const float h : row) raw.add(h);
   };
-  auto made = makeVoidFill(source, options.voids, see, progress);
+  const GroundInTime with_voids(source, options.epochs, nullptr);
+  auto made = makeVoidFill(with_voids.first(), options.voids, see, progress);
   if (!made) return made.error();
   plan.voids = made->fill;
   plan.voids_filled = made->report.samples;
   plan.voids_note = made->report.note;
-  FilledSource filled(source, *plan.voids);
-  auto look = lookAt(filled, blocks, options, {.fits = {}}, progress);
+  auto look = lookAt({source, options.epochs, plan.voids}, blocks, options, {.fits = {}}, progress);
   if (!look) return look;
-  if (look->seen.voids > 0) return changedWhileRead(source.info().title);
-  look->seen.fits = raw.fits;
+  if (look->seen[0].voids > 0) return changedWhileRead(source.info().title);
+  look->seen[0].fits = raw.fits;
   return look;
+}
+
+// The range of what was seen, once its quantum is known.
+Status setRange(std::span<const Seen> seen, const std::string& title, BlockPlan& plan) {
+  const double quantum_m = plan.frame.height_quantum_m;
+  plan.range = {proto::kMaxHeight, -proto::kMaxHeight};
+  for (size_t i = 0; i < seen.size(); ++i)
+    for (const float h : {seen[i].lowest, seen[i].highest}) {
+      if (i > 0 && !seen[i].says_something) continue;
+      const auto quanta = quantised(h, quantum_m);
+      if (!quanta) return i == 0 ? doesNotFit(title, h, quantum_m) : heightDoesNotFit(plan.epochs[i - 1].date, h);
+      plan.range = {std::min(plan.range.lowest, *quanta), std::max(plan.range.highest, *quanta)};
+    }
+  return {};
 }
 
 }  // namespace
 
 Result<BlockPlan> planBlocks(ElevationSource& source, const PlanOptions& options, const Progress& progress) {
   const ElevationInfo& info = source.info();
-  auto plan = emptyPlan(source, options.height_quantum_m, options.block_log2);
+  auto plan = emptyPlan(source, options.height_quantum_m, options.block_log2, options.epoch_blend);
   if (!plan) return plan;
+  if (Status s = checkEpochs(options.epochs, info); !s.ok()) return s.error();
+  if (options.epochs.empty() && options.epoch_blend != proto::EpochBlend::kLinear) return nothingToBlend();
+  plan->epochs = datesOf(options.epochs);
+  if (const auto dates = datesOf(plan->epochs, plan->epoch_blend, plan->shape); !dates) return dates.error();
   const auto grid = proto::GridTopology::create(plan->shape);
   const Blocks blocks{*grid, options.block_log2};
-  auto look = lookAt(source, blocks, options, {}, progress);
-  if (look && look->seen.voids > 0) look = fillAndLook(source, blocks, options, progress, *plan);
+  auto look = lookAt({source, options.epochs, nullptr}, blocks, options, {}, progress);
+  if (look && look->seen[0].voids > 0) look = fillAndLook(source, blocks, options, progress, *plan);
   if (!look) return look.error();
-  const Seen& seen = look->seen;
-  chooseQuantum(seen, options, *plan);
-  const double quantum_m = plan->frame.height_quantum_m;
-  for (const float h : {seen.lowest, seen.highest})
-    if (Status s = checkHeight(info.title, h, quantum_m); !s.ok()) return s.error();
-  plan->range = {*quantised(seen.lowest, quantum_m), *quantised(seen.highest, quantum_m)};
+  chooseQuantum(look->seen, options, *plan);
+  if (Status s = setRange(look->seen, info.title, *plan); !s.ok()) return s.error();
   const uint64_t common = commonId(*plan);
   for (uint32_t row = 0; row < blocks.rows(); ++row)
     for (uint32_t column = 0; column < blocks.columns(); ++column)

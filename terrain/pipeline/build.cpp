@@ -100,36 +100,21 @@ struct Terrain {
   const EpochLayers* epochs;  // null without any
 };
 
+// All but the first, which is laid over the source.
 Result<std::vector<EpochSamples>> readEpochs(const BuildOptions& options, const ElevationInfo& info,
                                              const Progress& progress) {
   std::vector<EpochSamples> epochs;
-  if (Status s = checkDates(options.epochs); !s.ok()) return s.error();
   for (const EpochRequest& request : options.epochs) {
     if (!progress.keepGoing()) return stopped();
-    if (!request.source) {
-      epochs.push_back({request.time, request.date, {}, {}});
-      continue;
-    }
-    auto epoch = readEpoch(request, info);
+    auto epoch = readEpoch(request, info, epochs.empty() ? proto::LatticeWindow{} : wholeOf(info));
     if (!epoch) return epoch.error();
     epochs.push_back(std::move(*epoch));
   }
   return epochs;
 }
 
-// The epochs that are asked for, with nothing in their windows.
-Result<proto::Epochs> datesOf(const BuildOptions& options, const proto::GridShape& shape) {
-  std::vector<proto::Epoch> dates;
-  for (const EpochRequest& request : options.epochs) dates.push_back({request.time, {}});
-  return proto::Epochs::create(shape, std::move(dates), options.epoch_blend);
-}
-
-void layOver(const EpochSamples& epoch, uint32_t width, std::span<float> metres) {
-  epoch.forEach([&](uint32_t x, uint32_t y, float height) { metres[static_cast<size_t>(y) * width + x] = height; });
-}
-
 Status addEpochs(const std::vector<EpochSamples>& epochs, EpochLayers& layers, const Progress& progress) {
-  layers.begin(epochs.front());
+  if (Status s = layers.begin(epochs.front()); !s.ok()) return s;
   for (size_t i = 1; i < epochs.size(); ++i) {
     const auto keepGoing = [&](double fraction) {
       progress.report("epochs", (static_cast<double>(i - 1) + fraction) / static_cast<double>(epochs.size() - 1));
@@ -143,14 +128,8 @@ Status addEpochs(const std::vector<EpochSamples>& epochs, EpochLayers& layers, c
 
 BoundsOf boundsAtAllTimes(const Terrain& terrain) {
   if (!terrain.epochs) return boundsOver(HeightsByWindow::of(terrain.heights), terrain.frame);
-  return [lowest = boundsOver(HeightsByWindow::of(terrain.epochs->lowest()), terrain.frame),
-          highest = boundsOver(HeightsByWindow::of(terrain.epochs->highest()), terrain.frame)](
-             const proto::LatticeBox& box, std::vector<glm::dvec3>& scratch) -> Result<proto::TileBounds> {
-    const auto low = lowest(box, scratch), high = highest(box, scratch);
-    if (!low || !high) return low ? high : low;
-    // Normals of the ground at other times are not known, so the cone holds all.
-    return proto::TileBounds{low->lowest_m, high->highest_m, {0, 0, 0}, 255};
-  };
+  return boundsBetween(HeightsByWindow::of(terrain.epochs->lowest()), HeightsByWindow::of(terrain.epochs->highest()),
+                       terrain.frame);
 }
 
 // Relief, unless the scene changes in time: it holds one ground only.
@@ -191,8 +170,7 @@ Status bound(const Terrain& terrain, unsigned threads, const SceneWriter& writer
 Status checkOptions(const BuildOptions& options) {
   if (!(options.height_quantum_m > 0) || !std::isfinite(options.height_quantum_m))
     return Error{ErrorCode::kInvalidArgument, "the vertical step must be a positive number of metres"};
-  if (options.epochs.empty() && options.epoch_blend != proto::EpochBlend::kLinear)
-    return Error{ErrorCode::kInvalidArgument, "there are no epochs to blend"};
+  if (options.epochs.empty() && options.epoch_blend != proto::EpochBlend::kLinear) return nothingToBlend();
   return {};
 }
 
@@ -209,11 +187,11 @@ Result<BuildReport> buildScene(ElevationSource& source, const BuildOptions& opti
   if (!raster.allocated())
     return Error{ErrorCode::kLimit, info.title + ": " + std::to_string(samples * sizeof(float) >> 20) +
                                         " MiB of heights do not fit this machine's memory"};
-  if (Status status = readAll(source, raster, progress); !status.ok()) return status.error();
-
+  if (Status status = checkEpochs(options.epochs, info); !status.ok()) return status.error();
+  if (Status status = readAll(*atFirstEpoch(source, options.epochs), raster, progress); !status.ok())
+    return status.error();
   auto epochs = readEpochs(options, info, progress);
   if (!epochs) return epochs.error();
-  if (!epochs->empty()) layOver(epochs->front(), info.width, raster.metres());
   progress.report("filling voids", 0);
   SceneOrigin origin{.title = info.title, .crs_wkt = info.crs_wkt, .notes = info.notes, .voids_filled = 0};
   const double height_quantum_m = chooseQuantum(raster.metres(), *epochs, options, origin);
@@ -226,14 +204,16 @@ Result<BuildReport> buildScene(ElevationSource& source, const BuildOptions& opti
   const Heights heights{raster.quanta(), info.width, info.height};
   proto::Frame frame = info.frame;
   frame.height_quantum_m = height_quantum_m;
-  auto dates = datesOf(options, grid->shape());
+  auto dates = datesOf(options.epochs, options.epoch_blend, grid->shape());
   if (!dates) return dates.error();
   auto objects = makeObjectSection(options.objects, frame, *dates,
                                    groundOf(info, frame, [&](uint32_t x, uint32_t y) { return heights.row(y)[x]; }));
   if (!objects.ok()) return objects.error();
+  auto offsets = EpochSection::create(options.output);
+  if (!offsets) return offsets.error();
   std::optional<EpochLayers> layers;
   if (!epochs->empty()) {
-    layers.emplace(*grid, frame, heights, std::move(*dates), options.threads);
+    layers.emplace(*grid, frame, heights, *dates, *offsets, options.threads);
     if (Status s = addEpochs(*epochs, *layers, progress); !s.ok()) return s.error();
     range = layers->range();
   }
@@ -254,7 +234,7 @@ Result<BuildReport> buildScene(ElevationSource& source, const BuildOptions& opti
                                                      .heights = range,
                                                      .origin = origin,
                                                      .objects = std::move(*objects),
-                                                     .epochs = layers ? layers->section() : Bytes{},
+                                                     .epochs = &*offsets,
                                                      .epoch_blend = options.epoch_blend,
                                                      .datum = datumOf(info.vertical, info.inputs, height_quantum_m),
                                                      .page_coding = options.page_coding,

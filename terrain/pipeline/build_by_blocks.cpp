@@ -1,12 +1,9 @@
 #include "terrain/pipeline/build_by_blocks.h"
 
-#include <optional>
-
 #include "terrain/parallel.h"
 #include "terrain/pipeline/block_file.h"
 #include "terrain/pipeline/merge_blocks.h"
 #include "terrain/pipeline/scene_parts.h"
-#include "terrain/pipeline/void_fill.h"
 
 namespace foreland::terrain {
 
@@ -33,7 +30,9 @@ Status makeBlocks(const BlockPlan& plan, const ElevationInfo& info, const Blocks
 }  // namespace
 
 Result<BuildReport> buildByBlocks(ElevationSource& input, const WindowedOptions& options, const Progress& progress) {
-  if (Status s = checkAdditions(input.info(), options.additions); !s.ok()) return s.error();
+  const std::vector<EpochRequest>& epochs = options.plan.epochs;
+  if (Status s = checkAdditions(input.info(), epochs, options.plan.epoch_blend, options.additions); !s.ok())
+    return s.error();
   std::filesystem::path folder = options.output;
   folder += ".blocks";
   std::error_code error;
@@ -49,25 +48,23 @@ Result<BuildReport> buildByBlocks(ElevationSource& input, const WindowedOptions&
   }
   const auto grid = proto::GridTopology::create(plan->shape);
   const Blocks blocks{*grid, plan->block_log2};
-  std::optional<FilledSource> filled;
-  if (plan->voids) filled.emplace(input, *plan->voids);
-  ElevationSource& source = filled ? *filled : input;
+  const GroundInTime ground(input, epochs, plan->voids);
+  const ElevationInfo& info = input.info();
   progress.report("bounding", 0);
   const Status made = forEachBlocks(
-      source, blocks, options.plan.memory_bytes,
+      ground, blocks, options.plan.memory_bytes,
       [&](uint32_t row, uint32_t first, uint32_t end, const HeightWindow& heights) -> Status {
         for (uint32_t column = first; column < end; ++column)
-          if (blockId(*plan, source.info(), blocks, column, row, heights) !=
+          if (blockId(*plan, info, blocks, column, row, heights) !=
               plan->ids[uint64_t{row} * blocks.columns() + column])
-            return changedWhileRead(source.info().title);
-        if (Status s = makeBlocks(*plan, source.info(), blocks, folder, row, first, end, heights, options.threads);
-            !s.ok())
+            return changedWhileRead(info.title);
+        if (Status s = makeBlocks(*plan, info, blocks, folder, row, first, end, heights, options.threads); !s.ok())
           return s;
         progress.report("bounding", (row + static_cast<double>(end) / blocks.columns()) / blocks.rows());
         return progress.keepGoing() ? Status() : Status(stopped());
       });
   if (!made.ok()) return made.error();
-  auto built = mergeBlocks(source, *plan, {folder, options.output, options.threads, options.additions}, progress);
+  auto built = mergeBlocks(input, *plan, {folder, options.output, options.threads, options.additions}, progress);
   if (built) std::filesystem::remove_all(folder, error);
   return built;
 }

@@ -2,7 +2,8 @@
 // file, the same bytes that buildScene() writes of the source. One caller; uses threads of its own while it runs.
 //
 // Memory: about a sixteenth of a byte a sample, a kilobyte for each column of the lattice, ten bytes for each sample of
-// a block and each thread, and what pictures (terrain/imagery/imagery.h), coded pages and models take.
+// a block and each thread, and what pictures (terrain/imagery/imagery.h), coded pages and models take. For each epoch
+// another 64th of a byte a sample, an eighth where its ground is not the first one's, and 132 bytes a column there.
 #pragma once
 
 #include <filesystem>
@@ -24,9 +25,10 @@ struct SceneAdditions {
   std::string attribution{};
 };
 
-// An Error names the object that cannot stand on the ground, or whose poses would need a scene that changes in time. Of
+// An Error names the object that cannot stand on the ground, or whose poses are at dates that are not the plan's. Of
 // heights nothing is asked, so it may come before blocks.
-[[nodiscard]] Status checkAdditions(const ElevationInfo& ground, const SceneAdditions& additions);
+[[nodiscard]] Status checkAdditions(const ElevationInfo& ground, const std::vector<EpochRequest>& epochs,
+                                    proto::EpochBlend blend, const SceneAdditions& additions);
 
 struct MergeOptions {
   std::filesystem::path blocks;  // the folder of their files

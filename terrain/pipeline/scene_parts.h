@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "terrain/elevation_source.h"
+#include "terrain/epochs/read_epoch.h"
 #include "terrain/imagery/ground_bounds.h"
 #include "terrain/imagery/imagery.h"
 #include "terrain/picture_source.h"
@@ -26,8 +27,28 @@ inline Error onlyVoids(const std::string& title) {
   return {ErrorCode::kMalformed, title + ": holds no data, only voids; check the file and --nodata"};
 }
 
+inline Error nothingToBlend() { return {ErrorCode::kInvalidArgument, "there are no epochs to blend"}; }
+
 inline Error changedWhileRead(const std::string& title) {
   return {ErrorCode::kIo, title + ": changed while it was read; build again"};
+}
+
+inline proto::LatticeWindow wholeOf(const ElevationInfo& info) { return {0, 0, info.width, info.height}; }
+
+// The epochs that are asked for, with nothing in their windows.
+template <class Epoch>
+Result<proto::Epochs> datesOf(const std::vector<Epoch>& epochs, proto::EpochBlend blend,
+                              const proto::GridShape& shape) {
+  std::vector<proto::Epoch> dates;
+  for (const Epoch& epoch : epochs) dates.push_back({epoch.time, {}});
+  return proto::Epochs::create(shape, std::move(dates), blend);
+}
+
+// A source with the first of some epochs laid over it, if there are any, by checkEpochs(). It must outlive what is
+// returned.
+inline std::shared_ptr<ElevationSource> atFirstEpoch(ElevationSource& source, const std::vector<EpochRequest>& epochs) {
+  if (epochs.empty()) return {std::shared_ptr<void>(), &source};
+  return std::make_shared<FirstEpoch>(source, epochs.front(), windowOf(epochs.front(), source.info()).value());
 }
 
 // Padding not counted.
@@ -90,6 +111,17 @@ auto groundOf(const ElevationInfo& info, const proto::Frame& frame, const At& at
 inline BoundsOf boundsOver(HeightsByWindow heights, const proto::Frame& frame) {
   return [ground = std::make_shared<const GroundBounds>(std::move(heights), frame)](
              const proto::LatticeBox& box, std::vector<glm::dvec3>& scratch) { return ground->over(box, scratch); };
+}
+
+// The same of ground that changes in time, of which the lowest and the highest heights are known. Normals of the ground
+// at other times are not, so the cone holds all.
+inline BoundsOf boundsBetween(HeightsByWindow lowest, HeightsByWindow highest, const proto::Frame& frame) {
+  return [lowest = boundsOver(std::move(lowest), frame), highest = boundsOver(std::move(highest), frame)](
+             const proto::LatticeBox& box, std::vector<glm::dvec3>& scratch) -> Result<proto::TileBounds> {
+    const auto low = lowest(box, scratch), high = highest(box, scratch);
+    if (!low || !high) return low ? high : low;
+    return proto::TileBounds{low->lowest_m, high->highest_m, {0, 0, 0}, 255};
+  };
 }
 
 // Samples that stayed where they were differ by rounding alone; that comes to what others differ by.

@@ -38,7 +38,8 @@ Result<SceneWriter> SceneWriter::create(const std::filesystem::path& target, con
   if (Status frame = about.frame.validate(grid->maxX(), grid->maxY()); !frame.ok()) return frame.error();
   auto directory = proto::PageDirectory::create(*grid, about.pages);
   if (!directory.ok()) return directory.error();
-  if (about.shape.sparse_levels > 0 && !about.epochs.empty())
+  const uint64_t epoch_bytes = about.epochs ? about.epochs->bytes() : 0;
+  if (about.shape.sparse_levels > 0 && epoch_bytes > 0)
     return Error{ErrorCode::kUnsupported, target.string() + ": a scene with sparse levels can have no epochs yet"};
   const Bytes text = encodeText(about.origin);
   if (text.size() > kMaxTextBytes)
@@ -52,7 +53,7 @@ Result<SceneWriter> SceneWriter::create(const std::filesystem::path& target, con
   const FileLayout layout = FileLayout::of(about.shape, *directory,
                                            {.text = text.size(),
                                             .objects = about.objects.size(),
-                                            .epochs = about.epochs.size(),
+                                            .epochs = epoch_bytes,
                                             .tiles = about.tiles ? about.tiles->bytes() : 0,
                                             .datum = datum.size()});
   FileHeader h;
@@ -81,11 +82,16 @@ Result<SceneWriter> SceneWriter::create(const std::filesystem::path& target, con
   writer.threads_ = about.threads;
   const std::pair<uint64_t, ByteSpan> parts[] = {{layout.sections[kText].offset, text},
                                                  {layout.sections[kObjects].offset, about.objects},
-                                                 {layout.epochs.offset, about.epochs},
                                                  {layout.datum.offset, datum},
                                                  {layout.pages.offset, bytesOf(about.pages)}};
   for (const auto& [offset, bytes] : parts)
     if (Status status = writer.file_.put(offset, bytes); !status.ok()) return status.error();
+  if (about.epochs) {
+    const auto put = [&](uint64_t offset, ByteSpan what) {
+      return writer.file_.put(layout.epochs.offset + offset, what);
+    };
+    if (Status status = about.epochs->write(put); !status.ok()) return status.error();
+  }
   if (about.tiles) {
     const auto put = [&](uint64_t offset, ByteSpan what) {
       return writer.file_.put(layout.tiles.offset + offset, what);

@@ -12,6 +12,7 @@
 #include "terrain/store/file/new_file.h"
 #include "terrain/store/format.h"
 #include "terrain/store/scene.h"
+#include "terrain/store/tables/epoch_section.h"
 #include "terrain/store/tables/tile_section.h"
 
 namespace foreland::terrain {
@@ -25,8 +26,8 @@ class SceneWriter {
     proto::Frame frame;
     HeightRange heights;
     SceneOrigin origin;
-    Bytes objects{};  // terrain/objects encodes this section of the file.
-    Bytes epochs{};   // epoch_section.h encodes this section of the file.
+    Bytes objects{};                       // terrain/objects encodes this section of the file.
+    const EpochSection* epochs = nullptr;  // Null of a scene that does not change; create() alone reads it.
     proto::EpochBlend epoch_blend = proto::EpochBlend::kLinear;
     SceneDatum datum{};    // Written if it is stated.
     bool has_sea = false;  // Of globes: viewers draw it (Scene::hasSea).

@@ -180,7 +180,11 @@ TEST_F(BlocksOfADressedScene, StandInAFileForPlanAndBuild) {
   succeed("plan", {"--config", world, "-o", plan()});
   EXPECT_TRUE(slurp(plan()) == slurp(folder_ / "again.json"));
   write("epoch = ['2000-01-01=" + input() + "']\n");
-  expectRefusal("plan", {"--config", world, "-o", plan()}, {"--epoch", "foreland build"});
+  succeed("plan", {"--config", world, "-o", plan()});
+  succeed("plan", dressed({"--epoch", "2000-01-01=" + input(), "-o", folder_ / "again.json"}));
+  EXPECT_TRUE(slurp(plan()) == slurp(folder_ / "again.json"));
+  write("epoch = ['2000-13-01=" + input() + "']\n");
+  expectRefusal("plan", {"--config", world, "-o", plan()}, {"--epoch 2000-13-01", "YYYY-MM-DD=FILE"});
 }
 
 TEST_F(BlocksOfADressedScene, AreRefusedBeforeHoursAreSpent) {
@@ -193,14 +197,96 @@ TEST_F(BlocksOfADressedScene, AreRefusedBeforeHoursAreSpent) {
   refused({"--globe"}, {"--globe", "foreland build"});
   refused({"--sea"}, {"--sea", "foreland build"});
   refused({"--threads", "2"}, {"--threads", "foreland merge"});
-  refused({"--epoch", "2000-01-01=" + input()}, {"--epoch", "foreland build"});
+  refused({"--epoch", "2000-01-01=" + input(), "--epoch-blend", "catmull-rom"}, {"catmull-rom", "foreland build"});
+  refused({"--epoch", "2000-01-01=" + input(), "--epoch", "2000-01-01=" + input()}, {"two epochs are of 2000-01-01"});
+  refused({"--epoch-blend", "b-spline"}, {"no epochs to blend"});
   refused({"--imagery", input()}, {"hills.asc"});
   refused({"--imagery-quality", "50"}, {"--imagery-quality"});
   refused({"--object", model() + "@1e9,2"}, {"sphere.fls", "beyond the data"});
   refused({"--object", "sphere.fls"}, {"sphere.fls"});
   writeGrowingSphere(model(), Time::seconds(0), Time::seconds(1));
-  refused({"--object", model() + "@5000,2600"}, {"sphere.fls", "poses", "foreland build"});
+  refused({"--object", model() + "@5000,2600", "--epoch", "2000-01-01=" + input()}, {"sphere.fls", "--epoch"});
   expectRefusal("plan", dressed({"-o", picture()}), {"picture.pgm", "one of the inputs"});
+}
+
+// Ground that changes in time, on its own lattice in the east and on a coarser one all over.
+class BlocksOfGroundInTime : public BlocksProgram {
+ protected:
+  void SetUp() override {
+    BlocksProgram::SetUp();
+    writeSurvey(7);
+    std::ofstream grid(coarse());
+    grid << "ncols 30\nnrows 15\nxllcorner 20\nyllcorner 30\ncellsize 350\n";
+    for (int i = 0; i < 30 * 15; ++i) grid << 510 + i % 7 << ' ';
+    writeGrowingSphere(model(), Time::seconds(0), Time::seconds(86'400));
+  }
+  void writeSurvey(int metres) const {
+    std::ofstream grid(survey());
+    grid << "ncols 40\nnrows 30\nxllcorner 10600\nyllcorner 1000\ncellsize 10\nNODATA_value -9999\n";
+    for (int i = 0; i < 40 * 30; ++i) grid << (i % 11 == 0 ? -9999 : 600 + i % 13 + (i == 600 ? metres : 0)) << ' ';
+  }
+  std::string survey() const { return folder_ / "survey.asc"; }
+  std::string coarse() const { return folder_ / "coarse.asc"; }
+  std::string model() const { return folder_ / "growing.fls"; }
+  std::vector<std::string> words(const std::vector<std::string>& more) const {
+    std::vector<std::string> all{input(), "--frame", "planar"};
+    all.insert(all.end(), more.begin(), more.end());
+    return all;
+  }
+  std::vector<std::string> inTime(std::vector<std::string> more, bool has_coarse = true) const {
+    more.insert(more.begin(), {"--epoch", "2000-01-01=" + input(), "--epoch", "2004-10-04=" + survey()});
+    if (has_coarse) more.insert(more.begin() + 4, {"--epoch", "2005-01-01=" + coarse(), "--epoch-blend", "b-spline"});
+    return words(more);
+  }
+};
+
+TEST_F(BlocksOfGroundInTime, GiveTheSceneThatBuildMakes) {
+  succeed("build", inTime({"-o", folder_ / "whole.fls"}));
+  succeed("build", inTime({"--memory", "1", "-o", folder_ / "windowed.fls"}));
+  succeed("plan", inTime({"-o", plan()}));
+  succeed("block", {plan(), "1", "0", "-o", blocks()});
+  const ProgramResult merged = runProgram("merge", {plan(), blocks(), "-o", scene()});
+  EXPECT_EQ(merged.exit_code, 0) << merged.output;
+  EXPECT_NE(merged.output.find("epoch 2004-10-04: 1090 samples changed"), std::string::npos) << merged.output;
+  EXPECT_TRUE(slurp(scene()) == slurp(folder_ / "whole.fls"));
+  EXPECT_TRUE(slurp(scene()) == slurp(folder_ / "windowed.fls"));
+  EXPECT_FALSE(fs::exists(folder_ / "windowed.fls.blocks"));
+  EXPECT_EQ(runProgram("verify", {scene()}).exit_code, 0);
+}
+
+// Dates of poses are epochs of a scene whose ground does not change: its blocks are those without.
+TEST_F(BlocksOfGroundInTime, AreThoseOfStillGroundBelowAModelWithPoses) {
+  makePlan();
+  succeed("block", {plan(), "0", "1", "-o", blocks()});
+  const auto posed = [&](const std::string& output) {
+    return words({"--object", model() + "@5000,2600", "-o", folder_ / output});
+  };
+  succeed("plan", posed("plan.json"));
+  succeed("block", {plan(), "0", "1", "-o", blocks()});
+  EXPECT_EQ(filesIn(blocks()), 2u);
+  succeed("merge", {plan(), blocks(), "-o", scene()});
+  succeed("build", posed("whole.fls"));
+  EXPECT_TRUE(slurp(scene()) == slurp(folder_ / "whole.fls"));
+}
+
+TEST_F(BlocksOfGroundInTime, NameTheEpochThatIsAnotherOrMissing) {
+  const auto planned = inTime({"-o", plan()}, false);
+  succeed("plan", planned);
+  succeed("block", {plan(), "0", "1", "-o", blocks()});
+  writeSurvey(8);  // as many bytes
+  expectRefusal("block", {plan(), "1", "-o", folder_ / "others"}, {"survey.asc", "plan.json", "foreland plan"});
+  succeed("block", {plan(), "0", "-o", folder_ / "others"});  // says nothing of the western block
+  succeed("plan", planned);
+  succeed("block", {plan(), "0", "1", "-o", blocks()});
+  EXPECT_EQ(filesIn(blocks()), 3u);
+  succeed("merge", {plan(), blocks(), "-o", scene()});
+  succeed("build", inTime({"-o", folder_ / "whole.fls"}, false));
+  EXPECT_TRUE(slurp(scene()) == slurp(folder_ / "whole.fls"));
+  fs::remove(survey());
+  expectRefusal("block", {plan(), "1", "-o", blocks()}, {"survey.asc", "No such file", "make the plan again"});
+  fs::remove(scene());
+  expectRefusal("merge", {plan(), blocks(), "-o", scene()}, {"survey.asc", "No such file", "make the plan again"});
+  EXPECT_FALSE(fs::exists(scene()));
 }
 
 TEST_F(BlocksProgram, AChangedInputNeedsANewPlanAndOnlyItsBlocks) {

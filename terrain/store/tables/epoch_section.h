@@ -3,13 +3,17 @@
 
 #include <array>
 #include <cstdint>
-#include <map>
+#include <filesystem>
+#include <functional>
 #include <span>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "base/bytes.h"
+#include "base/result.h"
 #include "proto/section/epochs.h"
+#include "terrain/store/file/spool_file.h"
 
 namespace foreland::terrain {
 
@@ -30,25 +34,36 @@ using OffsetBlock = std::array<int32_t, 64>;  // quanta, by slot
 static_assert(sizeof(StoredEpoch) == 32 && sizeof(BlockEntry) == 8 && sizeof(OffsetBlock) == 256);
 static_assert(sizeof(proto::BaseOffset) == 12 && std::is_trivially_copyable_v<proto::BaseOffset>);
 
-// The blocks of an epoch that are not all zeros, by key.
-using EpochBlocks = std::map<uint32_t, OffsetBlock>;
-
-// Collects epochs, in order. One owner.
+// Collects epochs, in order; their offsets wait in a file, so that memory does not grow by them. One owner.
 class EpochSection {
  public:
-  void add(const proto::Epoch& epoch, const EpochBlocks& blocks);
+  // For a scene file at `target`.
+  static Result<EpochSection> create(const std::filesystem::path& target);
+
+  // The next epoch, whose blocks follow: those that are not all zeros, by ascending keys.
+  Status add(const proto::Epoch& epoch);
+  Status add(uint32_t key, const OffsetBlock& block);
   void add(const proto::BaseOffset& base) { base_.push_back(base); }
   // Bytes of offsets that the last epoch added and that no epoch before it has.
-  uint64_t lastBytes() const { return last_bytes_; }
-  // Empty without epochs.
-  Bytes bytes() const;
+  uint64_t lastBytes() const;
+
+  // Size of the whole section; 0 without epochs.
+  uint64_t bytes() const;
+  // Calls put(offset, bytes) for all of its bytes(), in pieces.
+  Status write(const std::function<Status(uint64_t offset, ByteSpan what)>& put) const;
 
  private:
+  explicit EpochSection(SpoolFile spool) : spool_(std::move(spool)) {}
+  Status flush();
+  Result<bool> isAt(uint32_t number, const OffsetBlock& block) const;
+
+  SpoolFile spool_;  // of blocks
+  std::vector<OffsetBlock> waiting_;
   std::vector<StoredEpoch> epochs_;
   std::vector<BlockEntry> entries_;
-  std::vector<OffsetBlock> blocks_;
   std::vector<proto::BaseOffset> base_;
-  uint64_t last_bytes_ = 0;
+  uint32_t blocks_ = 0, blocks_before_ = 0;  // of all epochs, of all but the last one
+  size_t before_ = 0;                        // the entry of the epoch before that is next by key
 };
 
 }  // namespace foreland::terrain

@@ -62,21 +62,24 @@ struct Sharded {
   proto::GridTopology grid;
   Blocks blocks;
   proto::GeographicTables tables;
-  Sharded(ElevationSource& source, uint32_t block_log2)
-      : plan(planBlocks(source, {.block_log2 = block_log2, .voids = voids / "plan."}).value()),
+  std::vector<EpochRequest> epochs;
+  Sharded(ElevationSource& source, uint32_t block_log2, std::vector<EpochRequest> requests = {},
+          proto::EpochBlend blend = proto::EpochBlend::kLinear)
+      : plan(planBlocks(source,
+                        {.block_log2 = block_log2, .epochs = requests, .epoch_blend = blend, .voids = voids / "plan."})
+                 .value()),
         grid(proto::GridTopology::create(plan.shape).value()),
         blocks{grid, block_log2},
-        tables(proto::FrameTransform(plan.frame), grid.maxX(), grid.maxY()) {}
+        tables(proto::FrameTransform(plan.frame), grid.maxX(), grid.maxY()),
+        epochs(std::move(requests)) {}
 
   Status make(ElevationSource& input, const std::filesystem::path& folder, uint64_t number) const {
-    std::optional<FilledSource> filled;
-    if (plan.voids) filled.emplace(input, *plan.voids);
-    ElevationSource& source = filled ? *filled : input;
+    const GroundInTime ground(input, epochs, plan.voids);
     const auto column = static_cast<uint32_t>(number % blocks.columns()),
                row = static_cast<uint32_t>(number / blocks.columns());
-    const auto heights = readWindow(source, blocks.withHalo(column, row));
+    const auto heights = readWindow(ground, blocks.withHalo(column, row));
     if (!heights) return heights.error();
-    return writeBlock(folder, plan, source.info(), blocks, tables, column, row, plan.ids[number], *heights);
+    return writeBlock(folder, plan, input.info(), blocks, tables, column, row, plan.ids[number], *heights);
   }
 };
 
@@ -137,6 +140,142 @@ TEST(MergeBlocks, FilledVoidsDoNotNarrowTheQuantum) {
   EXPECT_FALSE(std::filesystem::exists(folder / "a.fls.blocks"));
 }
 
+// Ground that changes in windows of its own at each date: in blocks, across them, over all of it, or not at all.
+struct Story {
+  std::vector<test::FormulaSource> sources;
+  std::vector<EpochRequest> epochs;
+
+  Story(const test::FormulaSource& whole, size_t count, Rng& rng) {
+    const ElevationInfo& info = whole.info();
+    for (size_t i = 0; i < count; ++i) {
+      const auto place = [&](uint32_t samples) {
+        const auto from = static_cast<uint32_t>(rng.below(samples - 1));
+        return std::pair(from, static_cast<uint32_t>(1 + rng.below(samples - from)));
+      };
+      auto [x, width] = place(info.width);
+      auto [y, height] = place(info.height);
+      if (rng.below(4) == 0) x = 0, y = 0, width = info.width, height = info.height;
+      const uint64_t seed = rng.next();
+      const double metres = rng.uniform(-200, 200), rough = rng.below(2) ? 9 : 0;
+      sources.push_back(
+          test::windowSource(whole, {x, y, width, height}, [=, ground = test::hills(1)](uint32_t at_x, uint32_t at_y) {
+            Rng any(seed ^ at_x << 20 ^ at_y);
+            const double bump =
+                metres * std::exp(-0.0005 * (std::pow(at_x - x - 40.0, 2) + std::pow(at_y - y - 50.0, 2)));
+            return any.below(17) == 0 ? std::nan("") : ground(at_x, at_y) + bump + any.uniform(-rough, rough);
+          }));
+    }
+    Time date = Time::seconds(-1000);
+    for (size_t i = 0; i < count; ++i) {
+      epochs.push_back({date, "date " + std::to_string(i), &sources[i]});
+      date = date + Duration{static_cast<int64_t>(1 + rng.below(400)) * 86'400'000'000};
+    }
+    // A date at which everything is as before.
+    if (rng.below(2)) epochs.push_back({date, "nothing", nullptr});
+  }
+};
+
+std::string describe(const std::vector<EpochReport>& epochs) {
+  std::string text;
+  for (const EpochReport& e : epochs)
+    text += e.date + " " + std::to_string(e.changed_samples) + " " + std::to_string(e.max_m) + " " +
+            std::to_string(e.bytes) + "\n";
+  return text;
+}
+
+// The law of ground that changes in time.
+TEST(MergeBlocks, GiveTheBytesOfGroundInTimeThatABuildAtOnceGives) {
+  const uint64_t seed = test::randomSeed();
+  SCOPED_TRACE(seed);
+  Rng rng(seed);
+  for (const auto& [width, height, kind, log2, blend, has_voids] :
+       {std::tuple{1100u, 700u, FrameKind::kPlanar, 9u, proto::EpochBlend::kLinear, false},
+        {1025u, 530u, FrameKind::kGeographic, 9u, proto::EpochBlend::kBSpline, false},
+        {530u, 1025u, FrameKind::kPlanar, 10u, proto::EpochBlend::kBSpline, true},
+        {600u, 1100u, FrameKind::kGeographic, 9u, proto::EpochBlend::kLinear, true}}) {
+    const test::TemporaryFolder folder;
+    test::FormulaSource source =
+        has_voids ? sourceWithVoids(width, height, kind, 5, 3) : sourceOf(width, height, kind, rng.next());
+    const Story story(source, 2 + rng.below(4), rng);
+    const auto whole =
+        buildScene(source, {.output = folder / "whole.fls", .epochs = story.epochs, .epoch_blend = blend});
+    ASSERT_TRUE(whole.ok()) << whole.error().message;
+    const Sharded sharded(source, log2, story.epochs, blend);
+    std::vector<uint64_t> order(sharded.blocks.count());
+    std::iota(order.begin(), order.end(), 0);
+    for (size_t i = order.size(); i > 1; --i) std::swap(order[i - 1], order[rng.below(i)]);
+    for (const uint64_t number : order) {
+      const Status made = sharded.make(source, folder.path(), number);
+      ASSERT_TRUE(made.ok()) << made.error().message;
+    }
+    const auto merged = mergeBlocks(source, sharded.plan, {folder.path(), folder / "merged.fls"});
+    ASSERT_TRUE(merged.ok()) << merged.error().message;
+    EXPECT_TRUE(test::slurp(folder / "merged.fls") == test::slurp(folder / "whole.fls"))
+        << width << " x " << height << " by 2^" << log2;
+    EXPECT_EQ(describe(merged->epochs), describe(whole->epochs));
+    EXPECT_EQ(merged->lowest_m, whole->lowest_m);
+    EXPECT_EQ(merged->highest_m, whole->highest_m);
+    EXPECT_TRUE(verifyScene(folder / "merged.fls")->sound());
+  }
+}
+
+// An epoch's file that changes renames the blocks whose halos hold the change; a date that says nothing of a block does
+// not, and a block of which none says anything is that of a scene that does not change.
+TEST(MergeBlocks, AChangeOfAnEpochIsThatOfItsBlocksAlone) {
+  test::FormulaSource source = sourceOf(2000, 2000, FrameKind::kPlanar);
+  const auto epochOf = [&](double more, proto::LatticeWindow w) {
+    return test::windowSource(source, w, [=, ground = test::hills(1)](uint32_t x, uint32_t y) {
+      return x % 400 < 300 && y > 600 ? ground(x, y) + 5 + (x == 1030 && y == 700 ? more : 0) : std::nan("");
+    });
+  };
+  test::FormulaSource one = epochOf(0, {0, 500, 1200, 300}), same = epochOf(0, {4, 560, 1196, 220}),
+                      other = epochOf(1, {0, 500, 1200, 300}), late = epochOf(0, {1600, 1700, 100, 100});
+  const auto idsOf = [&](std::vector<EpochRequest> epochs) { return Sharded(source, 9, std::move(epochs)).plan.ids; };
+  const auto differ = [](const std::vector<uint64_t>& a, const std::vector<uint64_t>& b) {
+    std::vector<size_t> numbers;
+    for (size_t i = 0; i < a.size(); ++i)
+      if (a[i] != b[i]) numbers.push_back(i);
+    return numbers;
+  };
+  const EpochRequest first{Time{0}, "first", nullptr};
+  const auto still = idsOf({}), before = idsOf({first, {Time{9}, "then", &one}});
+  EXPECT_EQ(differ(still, before), (std::vector<size_t>{4, 5, 6}));
+  EXPECT_EQ(differ(before, idsOf({first, {Time{9}, "then", &other}})), (std::vector<size_t>{5, 6}));
+  EXPECT_EQ(differ(before, idsOf({first, {Time{9}, "then", &same}})), (std::vector<size_t>{4, 5, 6}));
+  EXPECT_EQ(differ(before, idsOf({first, {Time{9}, "then", &one}, {Time{12}, "late", &late}})),
+            (std::vector<size_t>{15}));
+  EXPECT_EQ(differ(before, idsOf({first, {Time{10}, "then", &one}})), (std::vector<size_t>{4, 5, 6}));
+  const auto plan = [&](Time date) { return Sharded(source, 9, {first, {date, "then", nullptr}}).plan; };
+  EXPECT_EQ(plan(Time{9}).ids, still);
+  EXPECT_NE(plan(Time{9}).id(), plan(Time{10}).id());
+}
+
+TEST(MergeBlocks, NameAnEpochThatCannotBe) {
+  const test::TemporaryFolder folder;
+  test::FormulaSource source = sourceOf(1100, 700, FrameKind::kPlanar);
+  test::FormulaSource off = test::windowSource(source, {5, 5, 10, 10}, test::hills(2)),
+                      tall(10, 10, [](uint32_t, uint32_t) { return 3e38; });
+  tall.info().frame = off.info().frame;
+  off.info().title = "off.tif";
+  off.info().frame.map_origin_m.x += 4;
+  const auto refusal = [&](ElevationSource* epoch, Time date, proto::EpochBlend blend = proto::EpochBlend::kLinear) {
+    const std::vector<EpochRequest> epochs{{Time{0}, "first", nullptr}, {date, "second", epoch}};
+    const auto by_blocks = buildByBlocks(
+        source, {.plan = {.block_log2 = 9, .epochs = epochs, .epoch_blend = blend}, .output = folder / "a.fls"});
+    EXPECT_FALSE(by_blocks.ok());
+    EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
+    if (blend == proto::EpochBlend::kLinear) {
+      EXPECT_EQ(buildScene(source, {.output = folder / "a.fls", .epochs = epochs}).error().message,
+                by_blocks.error().message);
+    }
+    return by_blocks.error().message;
+  };
+  EXPECT_NE(refusal(&off, Time{5}).find("epoch second: off.tif"), std::string::npos);
+  EXPECT_NE(refusal(&tall, Time{5}).find("epoch second: a height of"), std::string::npos);
+  EXPECT_NE(refusal(nullptr, Time{0}).find("two epochs are of second"), std::string::npos);
+  EXPECT_NE(refusal(nullptr, Time{5}, proto::EpochBlend::kCatmullRom).find("catmull-rom"), std::string::npos);
+}
+
 // At lattice positions, as `foreland build` takes objects.
 std::vector<ObjectRequest> objectsAt(const std::string& model, const proto::Frame& frame,
                                      const std::vector<glm::dvec2>& places) {
@@ -169,6 +308,7 @@ struct Dressed {
   uint32_t block_log2;
   unsigned threads;
   bool has_voids = false;
+  bool changes_in_time = false;
 };
 
 // The law again, with all that a scene has beside its ground, one by one and together.
@@ -183,7 +323,9 @@ TEST(MergeBlocks, TakesWhatABuildAtOnceTakes) {
                            {530, 700, kGeographic, PageCoding::kCoded, true, 1, 9, 2},
                            {1100, 530, kPlanar, PageCoding::kCoded, true, 4, 10, 2},
                            {700, 700, kGeographic, PageCoding::kPlain, false, 8, 9, 1},
-                           {700, 540, kPlanar, PageCoding::kCoded, true, 2, 9, 2, true}}) {
+                           {700, 540, kPlanar, PageCoding::kCoded, true, 2, 9, 2, true},
+                           {700, 600, kPlanar, PageCoding::kCoded, true, 2, 9, 2, true, true},
+                           {530, 700, kGeographic, PageCoding::kPlain, true, 1, 9, 3, false, true}}) {
     test::FormulaSource source =
         d.has_voids ? sourceWithVoids(d.width, d.height, d.kind, 5, 3) : sourceOf(d.width, d.height, d.kind);
     test::FormulaPicture picture(d.width, d.height, d.texel > 0 ? d.texel : 1, stripes);
@@ -192,15 +334,23 @@ TEST(MergeBlocks, TakesWhatABuildAtOnceTakes) {
       additions.objects =
           objectsAt(model, source.info().frame, {{511.5, 511.25}, {512, 3.75}, {d.width - 1.001, d.height - 1.001}});
     if (d.texel > 0) additions.picture = &picture, additions.imagery_quality = 60, additions.attribution = "me";
+    Rng rng(7);
+    const Story story(source, d.changes_in_time ? 3 : 0, rng);
+    const std::vector<EpochRequest> epochs = d.changes_in_time ? story.epochs : std::vector<EpochRequest>();
+    if (d.changes_in_time && d.has_objects) {
+      test::writeGrowingSphere(folder / "growing.fls", epochs[0].time, epochs[2].time);
+      additions.objects.push_back(objectsAt(folder / "growing.fls", source.info().frame, {{40, 500}}).front());
+    }
     const auto whole = buildScene(source, {.output = folder / "whole.fls",
                                            .threads = 2,
                                            .page_coding = d.coding,
                                            .objects = additions.objects,
+                                           .epochs = epochs,
                                            .picture = additions.picture,
                                            .imagery_quality = additions.imagery_quality,
                                            .attribution = additions.attribution});
     ASSERT_TRUE(whole.ok()) << whole.error().message;
-    const auto built = buildByBlocks(source, {.plan = {.block_log2 = d.block_log2},
+    const auto built = buildByBlocks(source, {.plan = {.block_log2 = d.block_log2, .epochs = epochs},
                                               .output = folder / "blocks.fls",
                                               .threads = d.threads,
                                               .additions = additions});
@@ -228,7 +378,7 @@ TEST(MergeBlocks, NamesAnObjectThatCannotStand) {
   test::writeSphere(sphere);
   test::writeGrowingSphere(growing, Time::seconds(0), Time::seconds(1));
   EXPECT_NE(refusal({sphere, {1e7, 1e7}}).find("beyond the data"), std::string::npos);
-  EXPECT_NE(refusal({growing, source.info().frame.map_origin_m}).find("foreland build"), std::string::npos);
+  EXPECT_NE(refusal({growing, source.info().frame.map_origin_m}).find("--epoch"), std::string::npos);
 }
 
 TEST(MergeBlocks, WindowsOfAnySizeGiveTheSameBytesAndLeaveNothing) {
@@ -338,6 +488,32 @@ TEST(MergeBlocks, NamesTheBlockThatIsMissingDamagedOrAnother) {
   EXPECT_NE(refusal().find("another block"), std::string::npos);
   std::filesystem::remove(path);
   EXPECT_NE(refusal().find("block 3 of the plan is missing"), std::string::npos);
+}
+
+TEST(MergeBlocks, NamesTheBlockWhoseLayersAreDamaged) {
+  const test::TemporaryFolder folder;
+  test::FormulaSource source = sourceOf(1100, 700, FrameKind::kPlanar),
+                      later = test::windowSource(source, {500, 100, 40, 30}, test::hills(2));
+  const Sharded sharded(source, 9, {{Time{0}, "first", nullptr}, {Time{1}, "later", &later}});
+  for (uint64_t number = 0; number < sharded.blocks.count(); ++number)
+    ASSERT_TRUE(sharded.make(source, folder.path(), number).ok());
+  const auto path = blockPath(folder.path(), sharded.plan.ids[0]);
+  const std::vector<char> sound = test::slurp(path);
+  const size_t before_layers = sound.size() - 3 * (40 + 13 * 30 * sizeof(int32_t));  // its last 13 columns, thrice
+  const auto refusal = [&](const std::vector<char>& bytes) {
+    test::spit(path, bytes);
+    const auto merged = mergeBlocks(source, sharded.plan, {folder.path(), folder / "a.fls"});
+    EXPECT_EQ(std::filesystem::exists(folder / "a.fls"), merged.ok());
+    return merged.ok() ? "" : merged.error().message;
+  };
+  for (const size_t at :
+       {before_layers, before_layers + 8, before_layers + 24, before_layers + 3 * 40 + 5, sound.size() - 1}) {
+    std::vector<char> damaged = sound;
+    damaged[at] ^= 1;
+    EXPECT_NE(refusal(damaged).find(path.string() + ": damaged"), std::string::npos) << at;
+  }
+  EXPECT_NE(refusal({sound.begin(), sound.end() - 4}).find(path.string() + ": damaged"), std::string::npos);
+  EXPECT_EQ(refusal(sound), "");
 }
 
 TEST(MergeBlocks, RefusesWhatBlocksCannotMake) {
