@@ -21,6 +21,8 @@ class CameraPath {
   // Whether it has jumped to where it is.
   bool hasJustJumped() const;
   bool hasJumpedSince(Time t) const;
+  // Where the camera is; null before the first pose.
+  const proto::Pose* newest() const { return poses_.empty() ? nullptr : &poses_.back().pose; }
   // Where the camera was. A pose between the two sides of a jump was never seen. There must have been a pose.
   proto::Pose at(Time t) const;
 

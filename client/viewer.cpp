@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "client/area.h"
+
 namespace foreland::client {
 
 namespace {
@@ -258,6 +260,12 @@ std::optional<proto::GroundReply> Viewer::takeGround(uint32_t id) {
 
 std::optional<proto::SightReply> Viewer::takeSight() { return takeFirst(sights_); }
 std::optional<proto::ViewshedReply> Viewer::takeViewshed() { return takeFirst(viewsheds_); }
+
+std::optional<uint32_t> Viewer::area() const {
+  if (!welcome_ || !camera_.newest()) return std::nullopt;
+  const proto::LatticePosition at = frameGrid().transform().toLattice(camera_.newest()->eye);
+  return areaOf(welcome_->shape, {at.x, at.y});
+}
 
 std::optional<double> Viewer::groundHeight(double x, double y) const {
   return replica_ ? replica_->heightAt(x, y) : std::nullopt;

@@ -108,6 +108,9 @@ class Viewer {
   bool isGreeted() const { return is_greeted_; }
   // To be called after the first welcome only.
   const proto::FrameGrid& frameGrid() const { return replica_->frameGrid(); }
+  // The area of a large scene that the camera of the last frame is in (client/area.h), for the address of the next
+  // connection; nullopt of a small scene, and before the first welcome or frame.
+  std::optional<uint32_t> area() const;
   // Height of the ground (m above the zero surface) at a lattice position, as Replica::heightAt.
   std::optional<double> groundHeight(double x, double y) const;
   const ViewerStatistics& statistics() const { return statistics_; }

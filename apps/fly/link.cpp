@@ -49,6 +49,7 @@ Status Link::recover(client::Player& player, Clock::time_point epoch, Clock::tim
 }
 
 void Link::connect(client::Player& player, Clock::time_point epoch) {
+  options_.area = player.viewer().area();
   auto connection = client::WebSocketClient::connect(url_, kReconnectTimeout, options_);
   if (!connection.ok()) {
     ++attempts_;

@@ -150,6 +150,7 @@ void SessionLoop::connectIfDue() {
     next_ = Next::kWhenSeen;
     return;
   }
+  options_.connection.area = held_->viewer.area();
   auto made = WebSocketClient::connect(options_.url, kTimeout, options_.connection);
   if (options_.connection.stop.stop_requested()) return;
   if (!made.ok()) return waitAndReconnect(made.error().message);

@@ -143,6 +143,12 @@ const TextRecord* ground(Host* host, double x, double y, double z, double reach)
   return &host->text_record;
 }
 
+// The area of a large scene that the camera is in (Viewer::area), for the address of the next connection; -1 for none.
+FORELAND_EXPORT(foreland_area) int32_t area(Host* host) {
+  const std::optional<uint32_t> area = host->viewer.area();
+  return area ? static_cast<int32_t>(*area) : -1;
+}
+
 FORELAND_EXPORT(foreland_statistics) const StatisticsRecord* statistics(Host* host) {
   const ViewerStatistics& from = host->viewer.statistics();
   const TileStore& tiles = host->viewer.tiles();

@@ -61,7 +61,7 @@ def configuration(way, servers):
     lines = "\n  ".join(f"server s{i} 127.0.0.1:{port} agent-port {agent}" for i, (port, agent) in enumerate(servers))
     text = re.sub(r"server-template .*", lines, text)
     if way == "leastconn":
-        text = re.sub(r"balance hash path\n  hash-type consistent\n  hash-balance-factor \d+", "balance leastconn", text)
+        text = re.sub(r"balance hash var\(txn.ground\)\n  hash-type consistent\n  hash-balance-factor \d+", "balance leastconn", text)
     return text
 
 

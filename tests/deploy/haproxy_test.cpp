@@ -159,48 +159,104 @@ TEST_F(BehindHaproxy, ViewersResumeWhenBothServersAreReplacedInTurn) {
   expectResumed(count_);
 }
 
-// Servers of a fleet by their addresses, as a test has no name server. Their viewers of one scene are at one server,
-// and no server has more than a quarter above the mean.
-TEST(HaproxyFleet, LeadsViewersOfASceneToOneServer) {
-  ASSERT_TRUE(std::filesystem::exists(kHaproxy)) << "install it: tools/install_packages.sh test";
-  const TemporaryFolder folder;
+// Servers of a fleet by their addresses, as a test has no name server, behind the configuration as it is shipped.
+class HaproxyFleet : public testing::Test {
+ protected:
+  void start(const std::vector<std::string>& scenes) {
+    ASSERT_TRUE(std::filesystem::exists(kHaproxy)) << "install it: tools/install_packages.sh test";
+    std::vector<std::string> words;
+    for (size_t i = 0; i < scenes.size(); ++i) {
+      FormulaSource source(65, 65, hills(static_cast<uint64_t>(i)));
+      words.push_back(folder_ / (scenes[i] + ".fls"));
+      ASSERT_TRUE(terrain::buildScene(source, {words.back(), 0.1, 1}).ok());
+    }
+    words.insert(words.end(), {"--log-level", "off", "--listen", local(0), "--agent-listen", ""});
+    std::string lines;
+    for (const char* name : {"a", "b"}) {
+      const uint16_t agent = freePort();
+      words.back() = local(agent);
+      servers_.push_back(std::make_unique<Program>("serve", words));
+      ports_.push_back(portOf(servers_.back()->readLine()));
+      lines +=
+          "server " + std::string(name) + " " + local(ports_.back()) + " agent-port " + std::to_string(agent) + "\n  ";
+    }
+    const std::filesystem::path shipped = std::filesystem::path(FORELAND_SOURCE_DIR) / "deploy/haproxy-fleet.cfg";
+    const std::string few = std::regex_replace(textOf(shipped), std::regex("maxconn [0-9]+"), "maxconn 100");
+    std::ofstream(folder_ / "fleet.cfg") << std::regex_replace(few, std::regex("server-template [^\n]*"), lines);
+    ::setenv("FORELAND_PUBLIC", local(open_).c_str(), 1);
+    proxy_.emplace(kHaproxy, std::vector<std::string>{"-q", "-f", folder_ / "fleet.cfg"});
+    // Until the proxy has looked at its servers it answers for them.
+    for (const std::string& scene : scenes) {
+      const std::string path = scenes.size() == 1 ? "/fly" : "/" + scene + "/fly";
+      ASSERT_TRUE(eventually([&] { return httpGet(open_, path).find(" 426 ") != std::string::npos; }))
+          << httpGet(open_, path);
+    }
+  }
+
+  // The server to which a viewer of an address is led while there is nobody else.
+  size_t serverOf(const std::string& address) const {
+    const auto all = [&] { return metric(ports_[0], "sessions") + metric(ports_[1], "sessions"); };
+    EXPECT_TRUE(eventually([&] { return all() == 0; }));
+    const WebSocketClient viewer(open_, 0, address);
+    EXPECT_TRUE(viewer.isOpen()) << address << ": " << viewer.reply();
+    EXPECT_TRUE(eventually([&] { return all() == 1; })) << address;
+    return metric(ports_[1], "sessions") == 1;
+  }
+
+  const TemporaryFolder folder_;
+  const uint16_t open_ = freePort();
+  std::vector<uint16_t> ports_;
+  std::vector<std::unique_ptr<Program>> servers_;
+  std::optional<Program> proxy_;
+};
+
+// Of a large scene viewers of one area meet, and areas are spread. What is no area is not looked at.
+TEST_F(HaproxyFleet, LeadsViewersOfAnAreaToOneServer) {
+  start({"alps", "fuji"});
+  const auto at = [](const std::string& area) { return "/alps/fly?x=y&area=" + area + "&token=t"; };
+  size_t at_second = 0;
+  constexpr size_t kAreas = 16;
+  for (size_t area = 0; area < kAreas; ++area) {
+    const size_t server = serverOf(at(std::to_string(area)));
+    EXPECT_EQ(serverOf(at(std::to_string(area))), server) << area;
+    EXPECT_EQ(serverOf("/alps/fly?area=" + std::to_string(area)), server) << area;
+    at_second += server;
+  }
+  EXPECT_GT(at_second, 0u);
+  EXPECT_LT(at_second, kAreas);
+  const size_t server = serverOf("/alps/fly");
+  for (size_t i = 0; i < 20; ++i) {
+    const std::string text = std::to_string(i);
+    for (const std::string& bad : {std::string(), "x" + text, "-" + text, text + ".5", std::string(10, '1') + text,
+                                   text + "%00", "%0a" + text, text + "/"})
+      EXPECT_EQ(serverOf(at(bad)), server) << bad;
+  }
+}
+
+TEST_F(HaproxyFleet, LeadsViewersOfAnAreaOfTheOnlySceneToOneServer) {
+  start({"alps"});
+  size_t at_second = 0;
+  for (size_t area = 0; area < 16; ++area) {
+    const std::string address = "/fly?area=" + std::to_string(area);
+    const size_t server = serverOf(address);
+    for (int i = 0; i < 3; ++i) EXPECT_EQ(serverOf(address), server) << area;
+    at_second += server;
+  }
+  EXPECT_GT(at_second, 0u);
+  EXPECT_LT(at_second, 16u);
+}
+
+// Viewers of one scene are at one server, and no server has more than a quarter above the mean.
+TEST_F(HaproxyFleet, LeadsViewersOfASceneToOneServer) {
   const std::vector<std::string> scenes{"alps", "fuji", "helens"};
-  std::vector<std::string> words;
-  for (size_t i = 0; i < scenes.size(); ++i) {
-    FormulaSource source(65, 65, hills(static_cast<uint64_t>(i)));
-    words.push_back(folder / (scenes[i] + ".fls"));
-    ASSERT_TRUE(terrain::buildScene(source, {words.back(), 0.1, 1}).ok());
-  }
-  words.insert(words.end(), {"--log-level", "off", "--listen", local(0), "--agent-listen", ""});
-
-  std::vector<std::unique_ptr<Program>> servers;
-  std::vector<uint16_t> ports;
-  std::string lines;
-  for (const char* name : {"a", "b"}) {
-    const uint16_t agent = freePort();
-    words.back() = local(agent);
-    servers.push_back(std::make_unique<Program>("serve", words));
-    ports.push_back(portOf(servers.back()->readLine()));
-    lines +=
-        "server " + std::string(name) + " " + local(ports.back()) + " agent-port " + std::to_string(agent) + "\n  ";
-  }
-  const std::filesystem::path shipped = std::filesystem::path(FORELAND_SOURCE_DIR) / "deploy/haproxy-fleet.cfg";
-  const std::string few = std::regex_replace(textOf(shipped), std::regex("maxconn [0-9]+"), "maxconn 100");
-  std::ofstream(folder / "fleet.cfg") << std::regex_replace(few, std::regex("server-template [^\n]*"), lines);
-  const uint16_t open = freePort();
-  ::setenv("FORELAND_PUBLIC", local(open).c_str(), 1);
-  Program proxy(kHaproxy, {"-q", "-f", folder / "fleet.cfg"});
-
+  start(scenes);
   constexpr int kOfEach = 2;
   std::vector<std::unique_ptr<Program>> flights;
-  const auto flying = [&] { return metric(ports[0], "flying") + metric(ports[1], "flying"); };
+  const auto flying = [&] { return metric(ports_[0], "flying") + metric(ports_[1], "flying"); };
   for (const std::string& scene : scenes) {
-    // Until the proxy has looked at its servers it answers for them.
-    ASSERT_TRUE(eventually([&] { return httpGet(open, "/" + scene + "/fly").find(" 426 ") != std::string::npos; }))
-        << httpGet(open, "/" + scene + "/fly");
     flights.push_back(std::make_unique<Program>(
         "fly",
-        std::vector<std::string>{"ws://" + local(open) + "/" + scene + "/", "--viewers", std::to_string(kOfEach),
+        std::vector<std::string>{"ws://" + local(open_) + "/" + scene + "/", "--viewers", std::to_string(kOfEach),
                                  "--tour", "survey", "--seconds", "20", "--viewport", "320x240"},
         ProgramOptions{.streams = Streams::kOutputOnly}));
     const double before = kOfEach * static_cast<double>(flights.size());
@@ -208,7 +264,7 @@ TEST(HaproxyFleet, LeadsViewersOfASceneToOneServer) {
   }
 
   size_t pairs = 0;
-  for (const uint16_t port : ports) {
+  for (const uint16_t port : ports_) {
     EXPECT_LE(metric(port, "sessions"), std::ceil(1.25 * kOfEach * static_cast<double>(scenes.size()) / 2));
     const std::string text = httpGet(port, "/metrics");
     for (const std::string& scene : scenes) {
@@ -218,6 +274,43 @@ TEST(HaproxyFleet, LeadsViewersOfASceneToOneServer) {
     }
   }
   EXPECT_LE(pairs, scenes.size() + 1);  // of viewers in turn each scene would be at both
+}
+
+// A proxy that leads those who say their area to another server than those who do not, and the first one stops.
+TEST(AreaOfAViewer, IsInItsAddressWhenItConnectsAgain) {
+  ASSERT_TRUE(std::filesystem::exists(kHaproxy)) << "install it: tools/install_packages.sh test";
+  const TemporaryFolder folder;
+  FormulaSource source(4200, 65, hills(8));  // a large scene: three areas side by side
+  ASSERT_TRUE(terrain::buildScene(source, {folder / "land.fls", 0.1, 1}).ok());
+  std::vector<std::unique_ptr<Program>> servers;
+  std::vector<uint16_t> ports;
+  for (int i = 0; i < 2; ++i) {
+    servers.push_back(std::make_unique<Program>(
+        "serve", std::vector<std::string>{folder / "land.fls", "--listen", local(0), "--log-level", "off"}));
+    ports.push_back(portOf(servers.back()->readLine()));
+  }
+  const uint16_t open = freePort();
+  std::ofstream(folder / "proxy.cfg")
+      << "global\n  maxconn 100\ndefaults\n  mode http\n  timeout connect 1s\n  timeout client 60s\n  timeout server "
+         "60s\nfrontend viewers\n  bind "
+      << local(open) << "\n  use_backend there if { url_param(area) 0 1 2 }\n  default_backend first\nbackend first\n"
+      << "  server a " << local(ports[0]) << "\nbackend there\n  server b " << local(ports[1]) << "\n";
+  const Program proxy(kHaproxy, {"-q", "-f", folder / "proxy.cfg"});
+  ASSERT_TRUE(eventually([&] { return httpGet(open, "/fly").find(" 426 ") != std::string::npos; }));
+  constexpr int kViewers = 3;
+  Program flights("fly",
+                  {"ws://" + local(open) + "/fly?area=x&a=b", "--viewers", std::to_string(kViewers), "--tour", "survey",
+                   "--seconds", "6", "--viewport", "320x240", "--json"},
+                  ProgramOptions{.streams = Streams::kOutputOnly});
+  ASSERT_TRUE(eventually([&] { return metric(ports[0], "flying") >= kViewers; }));
+  EXPECT_EQ(metric(ports[1], "sessions"), 0);
+  servers[0]->signal(SIGTERM);
+  EXPECT_EQ(servers[0]->wait(), 0);
+  const auto report = nlohmann::json::parse(flights.readToEnd(), nullptr, false);
+  EXPECT_EQ(flights.wait(), 0);
+  ASSERT_FALSE(report.is_discarded());
+  EXPECT_EQ(report["landed"], kViewers) << report;
+  EXPECT_EQ(report["resumed"], kViewers) << report;
 }
 
 }  // namespace

@@ -51,7 +51,8 @@ Result<WebSocketUrl> parseWebSocketUrl(const std::string& url) {
   WebSocketUrl result{.security = scheme->security, .host = {}, .port = scheme->port, .target = "/fly"};
   if (const size_t slash = authority.find('/'); slash != std::string::npos) {
     result.target = authority.substr(slash);
-    if (result.target.ends_with('/')) result.target += "fly";  // of the page there
+    const size_t path_end = std::min(result.target.find('?'), result.target.size());
+    if (result.target[path_end - 1] == '/') result.target.insert(path_end, "fly");  // of the page there
     authority.resize(slash);
   }
   const size_t bracket = authority.find(']');
@@ -67,6 +68,18 @@ Result<WebSocketUrl> parseWebSocketUrl(const std::string& url) {
   for (const std::string& part : {result.host, result.target})
     if (part.find_first_of(std::string(" \t\r\n\0", 5)) != std::string::npos) return refuse("white space");
   return result;
+}
+
+std::string withArea(const std::string& target, uint32_t area) {
+  constexpr std::string_view kName = "area=";
+  const size_t query = std::min(target.find('?'), target.size());
+  std::string result = target.substr(0, query) + "?";
+  for (size_t from = query + 1; from < target.size();) {
+    const size_t to = std::min(target.find('&', from), target.size());
+    if (!std::string_view(target).substr(from).starts_with(kName)) result += target.substr(from, to - from) + "&";
+    from = to + 1;
+  }
+  return result.append(kName) + std::to_string(area);
 }
 
 struct WebSocketClient::Impl {
@@ -157,7 +170,8 @@ Status WebSocketClient::Impl::shakeHands(const WebSocketUrl& url, std::chrono::m
   const std::string authorization = options.token.empty() ? "" : "Bearer " + options.token;
   error_code error;
   transport::WebSocket::Answer answer;
-  stream->shakeHands(url.host + ":" + url.port, url.target, authorization, answer, [&](error_code e) {
+  const std::string target = options.area ? withArea(url.target, *options.area) : url.target;
+  stream->shakeHands(url.host + ":" + url.port, target, authorization, answer, [&](error_code e) {
     error = e;
     io.stop();  // Beast's timer goes on where the server declines
   });

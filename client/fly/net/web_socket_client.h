@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <stop_token>
 #include <string>
 
@@ -34,13 +35,17 @@ enum class LostBy : uint8_t {
   kMigrate  // the server asked to connect again at once and to resume (close code 1012)
 };
 
+// A target with the viewer's area in its query, in place of one that it has.
+std::string withArea(const std::string& target, uint32_t area);
+
 class WebSocketClient {
  public:
   using Clock = std::chrono::steady_clock;
 
   struct Options {
-    std::string token;    // a bearer token for the server; empty for none
-    std::string ca_file;  // certificates of authorities to trust, in PEM format; empty for the system's
+    std::string token;               // a bearer token for the server; empty for none
+    std::optional<uint32_t> area{};  // of the scene, that the viewer is in (client/area.h): a part of the address
+    std::string ca_file;             // certificates of authorities to trust, in PEM format; empty for the system's
     // How the one who is told of an Error gives these.
     std::string token_advice = "give a valid token with --token", ca_advice = "--ca names the authority";
     std::stop_token stop;  // ends connecting, but not the system's search for a host's name

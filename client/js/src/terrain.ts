@@ -99,10 +99,10 @@ export class Terrain {
 
   // ---- what it is
 
-  /** The address that it connects to, without its token. */
+  /** The address that it connects to, without its token and its area. */
   get server(): string {
     const url = new URL(this.viewers);
-    url.searchParams.delete('token');
+    for (const own of ['token', 'area']) url.searchParams.delete(own);
     return url.href;
   }
   /** The address of the server's files, which images of models lie below. */
@@ -133,6 +133,13 @@ export class Terrain {
   /** Counts of what has come and gone. */
   get stats(): Statistics {
     return this.session?.statistics ?? kNoStatistics;
+  }
+  /**
+   * The area of a large scene that the camera is in: a number of a square of 2,048 samples, or null. Where the terrain connects anew it says
+   * so by itself; the address of a first connection may say it (`?area=17`), where a link leads to a place.
+   */
+  get area(): number | null {
+    return this.session?.area ?? null;
   }
   /** The last frame; null before the first. */
   get lastFrame(): Frame | null {

@@ -17,6 +17,7 @@ class HeldSocket {
   is_stuck = false;
   sent = [];
   constructor(url) {
+    this.url = url;
     if (!url.startsWith('ws')) throw new SyntaxError('the address is wrong');
     sockets.push(this);
   }
@@ -53,11 +54,11 @@ after(async () => {
 beforeEach(() => (sockets.splice(0), timers.splice(0)));
 
 // Opens a connection, and tells what it tells. `ask` says why it does not open.
-function connect(url = 'ws://127.0.0.1/fly', ask = async () => '') {
+function connect(url = 'ws://127.0.0.1/fly', ask = async () => '', area = () => null) {
   const told = { opened: 0, waits: [], impossible: [] };
   const connection = new Connection(url, {
-    onOpen: () => ++told.opened, onMessage: () => {}, onWaiting: (_, reason) => told.waits.push(reason), onImpossible: (reason) => told.impossible.push(reason),
-  }, ask);
+    onOpen: () => ++told.opened, onMessage: () => {}, onMigrate: () => {}, onWaiting: (_, reason) => told.waits.push(reason), onImpossible: (reason) => told.impossible.push(reason),
+  }, area, ask);
   underTimers(() => connection.open());
   return { connection, told };
 }
@@ -91,6 +92,27 @@ test('a connection that takes up nothing more is given up, and made anew', () =>
   assert.equal(told.opened, 2);
   connection.send(Uint8Array.of(7));
   assert.deepEqual(sockets[1].sent.map((m) => [...m]), [[7]]);
+});
+
+// For proxies: docs/decisions/0026.
+test('each address says the area of its time, once, and none where there is none', () => {
+  let area = null;
+  const { connection } = connect('ws://127.0.0.1/alps/fly?area=3&a=b&token=t.t-_', undefined, () => area);
+  const addressOfNext = () => (underTimers(() => connection.open()), sockets.at(-1).url);
+  assert.equal(sockets[0].url, 'ws://127.0.0.1/alps/fly?area=3&a=b&token=t.t-_', 'what a link says stays until more is known');
+  for (area of [0, 17, 402653183]) assert.equal(addressOfNext(), `ws://127.0.0.1/alps/fly?area=${area}&a=b&token=t.t-_`);
+  connection.setUrl('ws://127.0.0.1/fly');
+  assert.equal(addressOfNext(), 'ws://127.0.0.1/fly?area=402653183');
+  area = null;
+  assert.equal(addressOfNext(), 'ws://127.0.0.1/fly');
+  area = 5;
+  sockets.at(-1).open();
+  underTimers(() => sockets.at(-1).lose(1012));
+  assert.equal(sockets.at(-1).url, 'ws://127.0.0.1/fly?area=5', 'a server hands its viewers over');
+  underTimers(() => sockets.at(-1).lose());
+  area = 6;
+  runTimers();
+  assert.equal(sockets.at(-1).url, 'ws://127.0.0.1/fly?area=6', 'a connection was lost');
 });
 
 // A section to resume from, or a path, is larger than the limit now and then.

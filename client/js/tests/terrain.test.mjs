@@ -2,7 +2,9 @@
 // condition.
 import assert from 'node:assert/strict';
 import { execFile } from 'node:child_process';
+import { writeFile } from 'node:fs/promises';
 import { createServer } from 'node:http';
+import { connect } from 'node:net';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
 import { setImmediate } from 'node:timers/promises';
@@ -304,6 +306,35 @@ test('a connection that is lost is made anew, and told of', kTest, async () => {
   assert.equal(terrain.isOver, false);
   await terrain.close();
   await again.stop();
+});
+
+// For a proxy before several servers. Between the terrain and the server stands one that keeps the addresses.
+test('over a large scene a connection that is made anew says the area that the camera is in, and no other does', kTest, async (t) => {
+  const raster = join(folder.folder, 'strip.asc'), strip = join(folder.folder, 'strip.fls');
+  const row = Array.from({ length: 5000 }, (_, i) => i % 7).join(' ');
+  await writeFile(raster, `ncols 5000\nnrows 3\nxllcenter 0\nyllcenter 0\ncellsize 10\n${`${row}\n`.repeat(3)}`);
+  await runForeland('build', raster, '--frame', 'planar', '-o', strip);
+  for (const [served, expected] of [[strip, 1], [scene, null]]) {
+    const own = await startServer(served), addresses = [], sockets = [], proxy = createServer();
+    proxy.on('upgrade', (request, socket) => {
+      addresses.push(request.url);
+      const far = connect(own.url.port, own.url.hostname);
+      const fields = Array.from({ length: request.rawHeaders.length / 2 }, (_, i) => `${request.rawHeaders[2 * i]}: ${request.rawHeaders[2 * i + 1]}\r\n`);
+      far.write(`GET ${request.url} HTTP/1.1\r\n${fields.join('')}\r\n`);
+      sockets.push(socket.on('error', () => far.destroy()), far.on('error', () => socket.destroy()));
+      socket.pipe(far).pipe(socket);
+    });
+    await new Promise((resolve) => proxy.listen(0, '127.0.0.1', resolve));
+    t.after(() => (sockets.forEach((socket) => socket.destroy()), proxy.close(), own.stop()));
+    const terrain = await Terrain.open(`ws://127.0.0.1:${proxy.address().port}/?x=y`, { lens: kLens });
+    t.after(() => terrain.close());
+    await fly(terrain, isFlown(terrain, 2), 0);
+    assert.equal(terrain.area, expected);
+    sockets.splice(0).forEach((socket) => socket.destroy());
+    await fly(terrain, () => addresses.length === 2 && terrain.isConnected, 0);
+    assert.deepEqual(addresses, ['/fly?x=y', expected === null ? '/fly?x=y' : `/fly?x=y&area=${expected}`]);
+    assert.ok(!terrain.server.includes('area'));
+  }
 });
 
 test('each way that opening can fail has its name', kTest, async () => {

@@ -148,8 +148,10 @@ export class App {
   // ---- the terrain
 
   private connect(): void {
-    const { server, token, is_recorded } = this.address;
-    const terrain = (this.terrain = Terrain.connect(server, {
+    const { server, area, token, is_recorded } = this.address;
+    const at = new URL(server);
+    if (area !== null) at.searchParams.set('area', area);
+    const terrain = (this.terrain = Terrain.connect(at, {
       ...this.options(), lens: lensOf(this.canvas), limits: kLimits, record: is_recorded, patienceMs: Infinity,
       ...(token === null ? {} : { token }),
     }));

@@ -3,9 +3,10 @@ import assert from 'node:assert/strict';
 import { after, before, test } from 'node:test';
 import { openSources } from './support.mjs';
 
-let sources, serverAddress, KeptAddress, viewText, queryText;
+let sources, readAddress, serverAddress, KeptAddress, viewText, queryText;
 before(async () => {
   sources = await openSources();
+  ({ readAddress } = await sources.load('ui/settings.ts'));
   ({ serverAddress } = await sources.load('ui/server_address.ts'));
   ({ KeptAddress, viewText, queryText } = await sources.load('ui/kept_address.ts'));
 });
@@ -62,6 +63,16 @@ test('a page of https that is to connect without TLS says so, unless the server 
   for (const host of ['localhost:1', '127.0.0.1:1', '[::1]:1', 'x.localhost:1'])
     assert.deepEqual(serverAddress(`ws://${host}`, page), { url: `ws://${host}/fly` });
   assert.ok(serverAddress('ws://127.0.0.1.example', page).better);
+});
+
+test('an area is read where a place is, and if it is one', () => {
+  const areaOf = (search) => readAddress({ search, hash: '' }, 'ws://a/fly').area;
+  for (const place of ['view=1,2,3,4,5', 'at=46,7']) {
+    for (const area of ['0', '17', '402653183']) assert.equal(areaOf(`?area=${area}&${place}`), area);
+    for (const bad of ['', '-1', '1.5', '1e3', 'x', '1234567890', '%0a1', '1%20', '1%00']) assert.equal(areaOf(`?${place}&area=${bad}`), null, bad);
+    assert.equal(areaOf(`?${place}`), null);
+  }
+  assert.equal(areaOf('?area=17'), null, 'the page would begin elsewhere');
 });
 
 test('the address changes twice a second at most, and not at all while the view rests', () => {

@@ -94,6 +94,7 @@ TEST_F(GateTest, AsksForATokenInTheHeaderOrInTheQuery) {
   const std::string token = signToken(tokenOf("a"), kSecret), header = "Bearer " + token;
   EXPECT_EQ(statusOf(gate.admit({.target = "/fly", .authorization = header}, kNow)), 101u);
   EXPECT_EQ(statusOf(visit(gate, token)), 101u);
+  EXPECT_EQ(statusOf(gate.admit({.target = "/fly?token=" + token + "&area=17"}, kNow)), 101u);
   EXPECT_EQ(statusOf(gate.admit({.target = "/fly?mytoken=" + token}, kNow)), 401u);
   EXPECT_EQ(statusOf(visit(gate, "")), 401u);
   EXPECT_EQ(statusOf(visit(gate, signToken(tokenOf("a", kNow - 1), kSecret))), 401u);

@@ -48,12 +48,18 @@ TEST(Server, AnswersPlainRequests) {
   EXPECT_EQ(metric(server->port(), "sessions"), 0);
 }
 
-// Each viewer is shown the scene at whose path it connects.
-TEST(Server, ShowsEachOfSeveralScenesAtItsPath) {
+// The scenes hills and rough.
+auto serveTwo() {
   auto listening = Server::listen(std::vector<ServedScene>{{"hills", hillWorld()}, {"rough", roughWorld()}},
                                   testOptions(), test::steadyNow);
-  ASSERT_TRUE(listening.ok()) << listening.error().message;
-  const uint16_t port = (*listening)->port();
+  EXPECT_TRUE(listening.ok()) << listening.error().message;
+  return std::move(listening).value();
+}
+
+// Each viewer is shown the scene at whose path it connects.
+TEST(Server, ShowsEachOfSeveralScenesAtItsPath) {
+  const auto server = serveTwo();
+  const uint16_t port = server->port();
   std::vector<std::unique_ptr<LiveViewer>> viewers;
   for (const char* path : {"/hills/fly", "/rough/", "/rough"})
     viewers.push_back(std::make_unique<LiveViewer>(port, requestView(), path));
@@ -74,6 +80,19 @@ TEST(Server, ShowsEachOfSeveralScenesAtItsPath) {
   viewers.pop_back();
   EXPECT_TRUE(eventually([&] { return metric(port, "scene_sessions{scene=\"rough\"}") == 1; }));
   EXPECT_EQ(metric(port, "scene_sessions{scene=\"hills\"}"), 1);
+}
+
+// The area that a viewer is in is for proxies (docs/decisions/0026): a server takes any, and looks at none.
+TEST(Server, IgnoresTheAreaOfAnAddress) {
+  for (const bool has_scenes : {false, true}) {
+    const auto server = has_scenes ? serveTwo() : serve(testOptions());
+    const std::string path = has_scenes ? "/hills/fly" : "/fly";
+    for (const std::string query :
+         {"?area=17", "?area=", "?area", "?area=-1", "?area=99999999999999999999", "?area=%00%ff%",
+          "?area=../../rough/fly", "?area=1&area=2", "?x=y&area=3&token=t", "?area=1?area=2#/rough/fly"})
+      EXPECT_TRUE(WebSocketClient(server->port(), 0, path + query).isOpen()) << path << query;
+    EXPECT_TRUE(WebSocketClient(server->port(), 0, path + "?area=" + std::string(1000, '9')).isOpen());
+  }
 }
 
 TEST(Server, WithOneSceneNamesNone) {

@@ -48,6 +48,7 @@ interface Exports {
   foreland_read_sight(): number;
   foreland_sight_error(): number;
   foreland_welcome(viewer: number): number;
+  foreland_area(viewer: number): number;
   foreland_statistics(viewer: number): number;
   foreland_screen_create(): number;
   foreland_screen_add(screen: number, oldest_version: number): void;

@@ -51,4 +51,4 @@ export type FromWorker =
   | { kind: 'damaged'; what: string } // the first tile that cannot be decoded
   | SightAnswer
   | { kind: 'failed'; failure: Failure } // nothing but a recording comes any more
-  | { kind: 'state'; statistics: Statistics; is_open: boolean; ground: Uint8Array | null };
+  | { kind: 'state'; statistics: Statistics; is_open: boolean; area: number | null; ground: Uint8Array | null };

@@ -42,6 +42,7 @@ export class Session {
   readonly sights: Sights;
   is_open = false;
   statistics: Statistics = kNoStatistics;
+  area: number | null = null; // of a large scene, that the camera is in
   private tour: Uint8Array | null = null; // has come, and has not been started
   private redraws = 0; // how often mesh and tiles were to come again
   private is_redrawn = true; // the meshes that come now are of the last of these
@@ -139,7 +140,7 @@ export class Session {
       case 'failed': return this.events.onFailure(message.failure);
       case 'state':
         this.statistics = message.statistics;
-        this.is_open = message.is_open;
+        [this.is_open, this.area] = [message.is_open, message.area];
         if (message.ground) this.screen.setGround(message.ground);
     }
   }

@@ -5,6 +5,7 @@
 // address is asked by plain HTTP (refusal.ts), and what it says is passed on.
 import { reasonOf } from '../core/failure.js';
 import { askWhy } from '../core/refusal.js';
+import { addressIn } from '../core/area.js';
 
 export interface ConnectionEvents {
   onOpen(): void;
@@ -33,8 +34,9 @@ export class Connection {
   private why = ''; // it did not open, as far as is known
   private is_asking = false;
 
-  // `ask` gives sentences that say why a WebSocket does not open at an address, or nothing; it never rejects.
-  constructor(private url: string, private readonly events: ConnectionEvents, private readonly ask = askWhy) {}
+  // `area` is that of a large scene, which the address says, for proxies that lead viewers of the same ground to the same server. `ask` gives
+  // sentences that say why a WebSocket does not open at an address, or nothing; it never rejects.
+  constructor(private url: string, private readonly events: ConnectionEvents, private readonly area: () => number | null = () => null, private readonly ask = askWhy) {}
 
   open(): void {
     this.close();
@@ -78,6 +80,11 @@ export class Connection {
     this.url = url;
   }
 
+  private address(): string {
+    const area = this.area();
+    return area === null ? this.url : addressIn(this.url, area);
+  }
+
   isOpen(): boolean {
     return this.socket?.readyState === WebSocket.OPEN;
   }
@@ -98,7 +105,7 @@ export class Connection {
 
   private newSocket(): WebSocket | null {
     try {
-      return new WebSocket(this.url);
+      return new WebSocket(this.address());
     } catch (error) {
       this.events.onImpossible(`The browser does not connect to ${this.url}: ${reasonOf(error)}`);
       return null;

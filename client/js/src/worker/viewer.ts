@@ -225,6 +225,11 @@ export class Viewer {
   isGreeted(): boolean {
     return this.core.exports.foreland_welcome(this.handle) !== 0;
   }
+  // The area of a large scene that the camera is in, for the address of the next connection; null: none.
+  area(): number | null {
+    const area = this.core.exports.foreland_area(this.handle);
+    return area < 0 ? null : area;
+  }
   statistics(): Statistics {
     const record = this.core.exports.foreland_statistics(this.handle);
     return readStatisticsRecord(this.core.view(), record);

@@ -63,7 +63,7 @@ class Session {
       onMigrate: () => guard.run(() => this.post({ kind: 'migrate' })),
       onWaiting: (seconds, reason) => guard.run(() => this.post({ kind: 'waiting', seconds, reason })),
       onImpossible: (reason) => guard.run(() => this.post({ kind: 'refused', reason })),
-    });
+    }, () => this.viewer.area());
     this.connection.open();
   }
 
@@ -243,7 +243,7 @@ class Session {
     this.sendOutgoing();
     this.sendMesh();
     const ground = this.is_greeted ? this.viewer.ground(eye, ground_reach) : null;
-    this.post({ kind: 'state', statistics: this.statistics(), is_open: this.connection.isOpen(), ground });
+    this.post({ kind: 'state', statistics: this.statistics(), is_open: this.connection.isOpen(), area: this.viewer.area(), ground });
   }
 
   private statistics(): Statistics {

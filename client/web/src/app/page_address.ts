@@ -12,6 +12,8 @@ export function addressHere(terrain: Terrain | null, { eye, look }: Controls, se
   if (frame === 'globe' && 'lat' in place) query.set('at', atText(place, look));
   else query.set('view', viewText(eye.toArray(), look, Math.hypot(high[0] - low[0], high[1] - low[1])));
   query.delete(frame === 'globe' ? 'view' : 'at');
+  if (terrain.area === null) query.delete('area');
+  else query.set('area', String(terrain.area));
   if (!is_touring) query.delete('tour');
   writeSettings(query, settings);
   return query;

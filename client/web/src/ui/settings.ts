@@ -40,6 +40,7 @@ export interface Address {
   token: string | null; // for a server that asks for one
   view: number[] | null; // x, y, z in metres, heading, pitch in degrees
   at: PlaceView | null; // the same of a scene on the earth
+  area: string | null; // of a large scene, that view or at is in: for the address of the first connection
   tells_clock: boolean; // the day or the hour of the sun
   cut: string | null; // as CutControl writes it
   overlays: string[]; // addresses of files that lie on the ground
@@ -125,6 +126,8 @@ export function writeSettings(query: URLSearchParams, settings: Settings): void 
   set('keyframe', settings.adaptive ? 'adaptive' : settings.keyframe_ms === kUsual.keyframe_ms ? null : String(settings.keyframe_ms));
 }
 
+const kArea = /^\d{1,9}$/;
+
 // `server` is as serverAddress() gives it.
 export function readAddress(location: Location, server: string): Address {
   const query = new URLSearchParams(location.search), tour = query.get('tour') as Tour | null;
@@ -138,6 +141,7 @@ export function readAddress(location: Location, server: string): Address {
     token,
     view: view?.length === 5 && view.every(Number.isFinite) ? view : null,
     at: readAt(query.get('at')),
+    area: (query.has('view') || query.has('at')) && kArea.test(query.get('area') ?? '') ? query.get('area') : null,
     tells_clock: query.has('day') || query.has('hour'),
     cut: query.get('cut'),
     overlays: query.getAll('overlay').slice(0, kMaxOverlays),

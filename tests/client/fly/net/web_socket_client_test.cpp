@@ -20,6 +20,16 @@ TEST(WebSocketUrl, TakesPort80AndThePagesPathWhenNoneIsGiven) {
   EXPECT_EQ(url->target, "/fly");
 }
 
+TEST(WebSocketUrl, TakesThePagesPathBeforeAQuery) {
+  for (const auto& [text, target] : {std::pair{"ws://a/?area=17", "/fly?area=17"},
+                                     {"ws://a/alps/?x=/", "/alps/fly?x=/"},
+                                     {"ws://a/alps?x=/", "/alps?x=/"}}) {
+    const auto url = parseWebSocketUrl(text);
+    ASSERT_TRUE(url.ok()) << text;
+    EXPECT_EQ(url->target, target);
+  }
+}
+
 TEST(WebSocketUrl, ReadsAnAddressInBrackets) {
   const auto url = parseWebSocketUrl("ws://[::1]:8080");
   ASSERT_TRUE(url.ok());
@@ -47,6 +57,14 @@ TEST(WebSocketUrl, RefusesWhatIsNotOneAndSaysHowToWriteIt) {
     ASSERT_FALSE(url.ok()) << bad;
     EXPECT_NE(url.error().message.find("ws://HOST:PORT"), std::string::npos) << url.error().message;
   }
+}
+
+TEST(WebSocketUrl, HoldsTheAreaOnceBesideWhatElseItHolds) {
+  EXPECT_EQ(withArea("/fly", 17), "/fly?area=17");
+  EXPECT_EQ(withArea("/fly?", 17), "/fly?area=17");
+  EXPECT_EQ(withArea("/alps/fly?a=b&token=t", 17), "/alps/fly?a=b&token=t&area=17");
+  EXPECT_EQ(withArea("/fly?area=3&subarea=4&area=5", 0), "/fly?subarea=4&area=0");
+  EXPECT_EQ(withArea(withArea("/fly?a", 1), 2), withArea("/fly?a", 2));
 }
 
 TEST(WebSocketClient, SaysSoWhenNobodyListens) {
