@@ -43,7 +43,8 @@ MUTATIONS = [
        "std::sqrt(dx * dx + dy * dy + dz * dz)", BOUNDS),
     of("error: tail of a row", "terrain/bounds", "std::fabs(samples[i] - (value + slope * i))", "0.0", BOUNDS),
     of("sparse: corners beyond the children", "terrain/bounds", "if (!has_all) {", "if (false) {", BOUNDS),
-    of("sparse: beyond the border", "terrain/bounds", "if (!isData(v->id)) measure(*v);", ";", BOUNDS),
+    of("sparse: beyond the border", "terrain/bounds", "if (!isData(v->id)) planes_.measure(v->id, v->value);", ";", BOUNDS),
+    of("sparse: planes of one walk alone", "terrain/bounds/sparse_errors", "pushHolders(glm::dvec2(a + b + apex) / 3.0, level);", ";", BOUNDS),
     of("sparse: parents left out", "proto/section/page_directory", "addParentPages(grid, level, *page, pages);", ";", BOUNDS, "proto_test:*Directories*"),
     # the test and its slack
     of("frustum: sign", "proto/refine/metric", "is_visible & (frustum_.sideDistance(p) + R >= 0)", "is_visible & (frustum_.sideDistance(p) - R >= 0)",

@@ -27,6 +27,7 @@ struct BlockHeader {
 static_assert(sizeof(BlockHeader) == 64);
 
 constexpr uint32_t kCoarse = 1u << Blocks::kFineLog2;
+
 ByteSpan bytesOfDifferences(const std::vector<int32_t>& quanta) {
   return {reinterpret_cast<const uint8_t*>(quanta.data()), quanta.size() * sizeof(int32_t)};
 }
@@ -268,9 +269,9 @@ Status BlockFile::readLayers(uint64_t at, uint64_t bytes) {
   uint64_t next = at + layers_.size() * sizeof(BlockLayer);
   int64_t before = INT64_MIN;
   for (const BlockLayer& layer : layers_) {
-    const bool is_inside =
-        layer.bytes() == 0 || (layer.x >= own_.low_x && uint64_t{layer.x} + layer.width <= uint64_t{own_.high_x} + 1 &&
-                               layer.y >= own_.low_y && uint64_t{layer.y} + layer.height <= uint64_t{own_.high_y} + 1);
+    const bool is_inside = layer.window().isEmpty() ||
+                           (layer.x >= own_.low_x && uint64_t{layer.x} + layer.width <= uint64_t{own_.high_x} + 1 &&
+                            layer.y >= own_.low_y && uint64_t{layer.y} + layer.height <= uint64_t{own_.high_y} + 1);
     if (!is_inside || layer.at != next || layer.time_us <= before) return damaged();
     next += layer.bytes();
     before = layer.time_us;
