@@ -29,7 +29,7 @@ int merge(const std::filesystem::path& plan, terrain::MergeOptions options) {
   if (Status s = apps::checkOutput(options.output, "scene file"); !s.ok()) return fail(s.error());
   const auto opened = apps::openPlan(plan, apps::PlanUse::kMerge, {options.output, options.blocks / "block"});
   if (!opened) return fail(opened.error());
-  options.additions = opened->additions;
+  options.additions = opened->with.additions;
   apps::ProgressLine line;
   const auto built =
       terrain::mergeBlocks(opened->source(), opened->plan, options,

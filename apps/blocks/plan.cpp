@@ -30,11 +30,9 @@ int fail(const Error& error) {
 // So that hours are not spent on blocks before foreland merge says it.
 Status checkAdditions(const apps::PlanArguments& planned, const terrain::ElevationInfo& ground,
                       const std::vector<terrain::EpochRequest>& epochs) {
-  const auto picture = apps::openPictures(planned.scene, ground, planned.foreign.allowed);
-  if (!picture) return picture.error();
-  const auto additions = apps::additionsOf(planned.scene, picture->get());
-  if (!additions) return additions.error();
-  return terrain::checkAdditions(ground, epochs, planned.epochs.blend, *additions);
+  const auto opened = apps::openAdditions(planned.scene, ground, planned.foreign.allowed);
+  if (!opened) return opened.error();
+  return terrain::checkAdditions(ground, epochs, planned.epochs.blend, opened->additions);
 }
 
 // What foreland build takes and a plan does not is named with the way out, also where it stands in a file for both.

@@ -141,16 +141,6 @@ Status describeAll(const std::vector<std::filesystem::path>& files, Json& list) 
   return {};
 }
 
-Status openAdditions(const PlanArguments& arguments, OpenedPlan& opened) {
-  auto picture = openPictures(arguments.scene, opened.source().info(), arguments.foreign.allowed);
-  if (!picture) return picture.error();
-  opened.picture = std::move(*picture);
-  auto additions = additionsOf(arguments.scene, opened.picture.get());
-  if (!additions) return additions.error();
-  opened.additions = std::move(*additions);
-  return {};
-}
-
 Status fill(const Json& json, terrain::BlockPlan& plan) {
   if (const auto voids = json.find("voids"); voids != json.end()) {
     plan.voids_filled = voids->at("samples");
@@ -202,8 +192,10 @@ Result<OpenedPlan> open(const std::filesystem::path& path, PlanUse use,
                  path.string() + ": does not fit " + opened.source().info().title +
                      " as it is now, or was edited; make the plan again with foreland plan"};
   opened.plan.voids = std::move(voids);
-  if (is_merge)
-    if (Status s = openAdditions(arguments, opened); !s.ok()) return s.error();
+  if (!is_merge) return opened;
+  auto with = openAdditions(arguments.scene, opened.source().info(), arguments.foreign.allowed);
+  if (!with) return with.error();
+  opened.with = std::move(*with);
   return opened;
 }
 
@@ -274,16 +266,6 @@ std::vector<std::filesystem::path> filesOf(const PlanArguments& arguments) {
   const std::vector<std::filesystem::path> of_scene = filesOf(arguments.scene);
   files.insert(files.end(), of_scene.begin(), of_scene.end());
   return files;
-}
-
-Result<terrain::SceneAdditions> additionsOf(const SceneArguments& arguments, terrain::PictureSource* picture) {
-  auto objects = parseObjects(arguments);
-  if (!objects) return objects.error();
-  return terrain::SceneAdditions{.page_coding = arguments.page_coding,
-                                 .objects = std::move(*objects),
-                                 .picture = picture,
-                                 .imagery_quality = arguments.imagery_quality,
-                                 .attribution = arguments.attribution};
 }
 
 Result<std::string> changedEpoch(const std::filesystem::path& plan) {

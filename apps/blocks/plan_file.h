@@ -47,9 +47,8 @@ enum class PlanUse : uint8_t { kBlock, kMerge };
 
 struct OpenedPlan {
   terrain::BlockPlan plan;
-  OpenedGround input;  // for kMerge without the files of its epochs
-  std::unique_ptr<terrain::PictureSource> picture;
-  terrain::SceneAdditions additions;  // with that picture
+  OpenedGround input;    // for kMerge without the files of its epochs
+  OpenedAdditions with;  // for kMerge alone
   terrain::ElevationSource& source() const { return *input.source; }
   terrain::GroundInTime ground() const { return {source(), input.epochs, plan.voids}; }
 };
@@ -58,8 +57,5 @@ struct OpenedPlan {
 // tell more than the size.
 Result<OpenedPlan> openPlan(const std::filesystem::path& path, PlanUse use,
                             const std::vector<std::filesystem::path>& outputs);
-
-// What the scene is to have. `picture` must outlive it.
-Result<terrain::SceneAdditions> additionsOf(const SceneArguments& arguments, terrain::PictureSource* picture);
 
 }  // namespace foreland::apps

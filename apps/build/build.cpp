@@ -197,18 +197,14 @@ Result<terrain::BuildReport> buildByBlocks(const Arguments& arguments, terrain::
                                           .epoch_blend = options.epoch_blend},
                                  .output = options.output,
                                  .threads = options.threads,
-                                 .additions = {.page_coding = options.page_coding,
-                                               .objects = options.objects,
-                                               .picture = options.picture,
-                                               .imagery_quality = options.imagery_quality,
-                                               .attribution = options.attribution}},
+                                 .additions = options.additions},
                                 progress);
 }
 
 int build(const Arguments& arguments) {
   const Clock::time_point begun = Clock::now();
   if (Status s = checkOutput(arguments); !s.ok()) return fail(s.error());
-  auto objects = apps::parseObjects(arguments.scene);
+  const auto objects = apps::parseObjects(arguments.scene);
   if (!objects.ok()) return fail(objects.error());
   auto of_poses = apps::epochsOfPoses(*objects);
   if (!of_poses.ok()) return fail(of_poses.error());
@@ -217,19 +213,15 @@ int build(const Arguments& arguments) {
   const std::unique_ptr<terrain::ElevationSource>& source = ground->source;
   apps::describeInput(source->info());
   if (Status s = apps::openEpochs(arguments.elevation, arguments.epochs, *ground); !s.ok()) return fail(s.error());
-  terrain::BuildOptions options{.output = arguments.output,
-                                .height_quantum_m = apps::chooseVerticalStep(arguments.elevation, source->info()),
-                                .threads = arguments.threads,
-                                .page_coding = arguments.scene.page_coding,
-                                .widen_quantum = !arguments.elevation.vertical_step_m,
-                                .objects = std::move(*objects)};
-  options.epochs = ground->epochs;
-  options.epoch_blend = arguments.epochs.blend;
-  const auto picture = apps::openPictures(arguments.scene, source->info(), arguments.foreign.allowed);
-  if (!picture.ok()) return fail(picture.error());
-  options.picture = picture->get();
-  options.imagery_quality = arguments.scene.imagery_quality;
-  options.attribution = arguments.scene.attribution;
+  const auto with = apps::openAdditions(arguments.scene, source->info(), arguments.foreign.allowed);
+  if (!with.ok()) return fail(with.error());
+  const terrain::BuildOptions options{.output = arguments.output,
+                                      .height_quantum_m = apps::chooseVerticalStep(arguments.elevation, source->info()),
+                                      .threads = arguments.threads,
+                                      .widen_quantum = !arguments.elevation.vertical_step_m,
+                                      .epochs = ground->epochs,
+                                      .epoch_blend = arguments.epochs.blend,
+                                      .additions = with->additions};
   return runBuild(arguments, begun, [&](const terrain::Progress& progress) {
     return isByBlocks(arguments, *source, options) ? buildByBlocks(arguments, *source, options, progress)
                                                    : terrain::buildScene(*source, options, progress);

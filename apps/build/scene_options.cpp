@@ -89,12 +89,23 @@ Result<std::vector<terrain::ObjectRequest>> parseObjects(const SceneArguments& a
   return objects;
 }
 
-Result<std::unique_ptr<terrain::PictureSource>> openPictures(
-    const SceneArguments& arguments, const terrain::ElevationInfo& ground,
-    const std::vector<std::filesystem::path>& allowed_folders) {
-  if (arguments.imagery.empty()) return std::unique_ptr<terrain::PictureSource>();
-  return terrain::openPictures(arguments.imagery, {ground.frame, ground.crs_wkt, ground.width, ground.height,
-                                                   allowed_folders, arguments.imagery_alpha});
+Result<OpenedAdditions> openAdditions(const SceneArguments& arguments, const terrain::ElevationInfo& ground,
+                                      const std::vector<std::filesystem::path>& allowed_folders) {
+  auto objects = parseObjects(arguments);
+  if (!objects) return objects.error();
+  OpenedAdditions opened;
+  if (!arguments.imagery.empty()) {
+    auto picture = terrain::openPictures(arguments.imagery, {ground.frame, ground.crs_wkt, ground.width, ground.height,
+                                                             allowed_folders, arguments.imagery_alpha});
+    if (!picture) return picture.error();
+    opened.picture = std::move(*picture);
+  }
+  opened.additions = {.page_coding = arguments.page_coding,
+                      .objects = std::move(*objects),
+                      .picture = opened.picture.get(),
+                      .imagery_quality = arguments.imagery_quality,
+                      .attribution = arguments.attribution};
+  return opened;
 }
 
 }  // namespace foreland::apps

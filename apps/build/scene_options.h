@@ -13,6 +13,7 @@
 #include "terrain/elevation_source.h"
 #include "terrain/imagery/imagery.h"
 #include "terrain/objects/placed_objects.h"
+#include "terrain/pipeline/build.h"
 #include "terrain/store/format.h"
 
 namespace foreland::apps {
@@ -36,9 +37,13 @@ std::vector<std::filesystem::path> filesOf(const SceneArguments& arguments);
 Status checkApart(const std::filesystem::path& output, const SceneArguments& arguments);
 
 Result<std::vector<terrain::ObjectRequest>> parseObjects(const SceneArguments& arguments);
-// Lays the pictures on the lattice of the ground; null if there are none.
-Result<std::unique_ptr<terrain::PictureSource>> openPictures(const SceneArguments& arguments,
-                                                             const terrain::ElevationInfo& ground,
-                                                             const std::vector<std::filesystem::path>& allowed_folders);
+
+struct OpenedAdditions {
+  std::unique_ptr<terrain::PictureSource> picture;  // null if there are none
+  terrain::SceneAdditions additions;                // with it
+};
+// Lays the pictures on the lattice of the ground.
+Result<OpenedAdditions> openAdditions(const SceneArguments& arguments, const terrain::ElevationInfo& ground,
+                                      const std::vector<std::filesystem::path>& allowed_folders);
 
 }  // namespace foreland::apps

@@ -206,7 +206,7 @@ Result<BuildReport> buildScene(ElevationSource& source, const BuildOptions& opti
   frame.height_quantum_m = height_quantum_m;
   auto dates = datesOf(options.epochs, options.epoch_blend, grid->shape());
   if (!dates) return dates.error();
-  auto objects = makeObjectSection(options.objects, frame, *dates,
+  auto objects = makeObjectSection(options.additions.objects, frame, *dates,
                                    groundOf(info, frame, [&](uint32_t x, uint32_t y) { return heights.row(y)[x]; }));
   if (!objects.ok()) return objects.error();
   auto offsets = EpochSection::create(options.output);
@@ -222,10 +222,11 @@ Result<BuildReport> buildScene(ElevationSource& source, const BuildOptions& opti
   if (!tiles) return tiles.error();
   if (Status s = makeRelief(terrain, options, progress, *tiles); !s.ok()) return s.error();
   ImageryReport imagery;
-  if (options.picture) {
-    auto made = addPicture(*options.picture, boundsAtAllTimes(terrain),
-                           {options.imagery_quality, options.attribution, options.output, options.threads}, progress,
-                           origin, *tiles);
+  const SceneAdditions& with = options.additions;
+  if (with.picture) {
+    auto made =
+        addPicture(*with.picture, boundsAtAllTimes(terrain),
+                   {with.imagery_quality, with.attribution, options.output, options.threads}, progress, origin, *tiles);
     if (!made) return made.error();
     imagery = *made;
   }
@@ -237,7 +238,7 @@ Result<BuildReport> buildScene(ElevationSource& source, const BuildOptions& opti
                                                      .epochs = &*offsets,
                                                      .epoch_blend = options.epoch_blend,
                                                      .datum = datumOf(info.vertical, info.inputs, height_quantum_m),
-                                                     .page_coding = options.page_coding,
+                                                     .page_coding = with.page_coding,
                                                      .threads = options.threads,
                                                      .tiles = &*tiles});
   if (!writer.ok()) return writer.error();

@@ -22,23 +22,27 @@
 
 namespace foreland::terrain {
 
+// What a scene has beside its ground, and how its pages stand in the file.
+struct SceneAdditions {
+  PageCoding page_coding = PageCoding::kPlain;
+  std::vector<ObjectRequest> objects{};          // to place on the terrain
+  PictureSource* picture = nullptr;              // imagery, on the source's lattice; null for none
+  int imagery_quality = kDefaultImageryQuality;  // of WebP, 1 to 100
+  std::string attribution{};                     // to be shown where the imagery is
+};
+
 struct BuildOptions {
   std::filesystem::path output;
   double height_quantum_m = 0.1;  // heights become whole quanta: each moves by at most half of one
   unsigned threads = 0;           // 0: one per processor
-  PageCoding page_coding = PageCoding::kPlain;
   // Whether to take the first of 1, 1/2 and 1/4 m instead that is larger than height_quantum_m and of which every
   // height of the source is a multiple, if there is one: no sample moves, and the scene costs fewer bits to send.
   // Filled voids are rounded.
   bool widen_quantum = false;
-  std::vector<ObjectRequest> objects{};  // to place on the terrain
   // The ground at other times, for scenes that change; the first is laid over the source. In the order of their dates.
   std::vector<EpochRequest> epochs{};
   proto::EpochBlend epoch_blend = proto::EpochBlend::kLinear;
-  // Imagery, on the source's lattice; null for none.
-  PictureSource* picture = nullptr;
-  int imagery_quality = kDefaultImageryQuality;  // of WebP, 1 to 100
-  std::string attribution{};                     // to be shown where the imagery is
+  SceneAdditions additions{};
 };
 
 // Called on the caller's thread. `report` gets the name of a stage and the fraction of it that is done, at least 0 and

@@ -16,15 +16,6 @@
 
 namespace foreland::terrain {
 
-// What a scene has beside its ground, and how its pages stand in the file: as BuildOptions has it.
-struct SceneAdditions {
-  PageCoding page_coding = PageCoding::kPlain;
-  std::vector<ObjectRequest> objects{};
-  PictureSource* picture = nullptr;
-  int imagery_quality = kDefaultImageryQuality;
-  std::string attribution{};
-};
-
 // An Error names the object that cannot stand on the ground, or whose poses are at dates that are not the plan's. Of
 // heights nothing is asked, so it may come before blocks.
 [[nodiscard]] Status checkAdditions(const ElevationInfo& ground, const std::vector<EpochRequest>& epochs,

@@ -40,7 +40,7 @@ class Completion {
     about.datum = datumOf(info.vertical, source_.sparse()->inputsAgainst(metres), frame_.height_quantum_m);
     auto dates = proto::Epochs::create(about.shape, {}, proto::EpochBlend::kLinear);
     if (!dates) return dates.error();
-    auto objects = makeObjectSection(options_.objects, frame_, *dates, [&](double x, double y) {
+    auto objects = makeObjectSection(options_.additions.objects, frame_, *dates, [&](double x, double y) {
       const bool is_inside = x >= 0 && y >= 0 && x <= info.width - 1.0 && y <= info.height - 1.0;
       return is_inside ? std::optional(bilinear(info.width, info.height, x, y, metres)) : std::nullopt;
     });
@@ -59,7 +59,7 @@ class Completion {
     const auto relief = addSparseRelief(ground, bounds, frame_, options_.threads, stage(progress_, "relief"), *tiles_);
     if (!relief) return relief.error();
     if (!*relief) return stopped();
-    if (options_.picture != nullptr)
+    if (options_.additions.picture != nullptr)
       if (Status s = addPicture(bounds, about.origin); !s.ok()) return s;
     about.tiles = &*tiles_;
     return {};
@@ -67,10 +67,10 @@ class Completion {
 
   Status addPicture(const SparseGroundBounds& bounds, SceneOrigin& origin) {
     const BoundsOf boundsOf = [&](const proto::LatticeBox& box, std::vector<glm::dvec3>&) { return bounds.over(box); };
-    const auto report =
-        terrain::addPicture(*options_.picture, boundsOf,
-                            {options_.imagery_quality, options_.attribution, options_.output, options_.threads},
-                            progress_, origin, *tiles_);
+    const auto report = terrain::addPicture(
+        *options_.additions.picture, boundsOf,
+        {options_.additions.imagery_quality, options_.additions.attribution, options_.output, options_.threads},
+        progress_, origin, *tiles_);
     if (!report) return report.error();
     imagery_ = *report;
     return {};
@@ -112,7 +112,7 @@ Result<BuildReport> buildSparseScene(const ElevationSource& source, const BuildO
       {.output = options.output,
        .threads = options.threads,
        .origin = {info.title, info.crs_wkt, info.notes, info.voids_filled},
-       .page_coding = options.page_coding,
+       .page_coding = options.additions.page_coding,
        .complete = [&](const StoredHeights& ground, SceneWriter::About& about) { return completion(ground, about); }},
       {.report = progress.report, .keepGoing = [&] { return fits && progress.keepGoing(); }});
   if (!fits)

@@ -102,10 +102,10 @@ Result<TownReport> buildTown(const TownOptions& options, const Progress& progres
   BuildOptions scene{.output = options.output, .height_quantum_m = 0.01, .threads = options.threads};
   for (const PlacedBuilding& placed : plan.buildings) {
     ++report.models[placed.building].placed;
-    scene.objects.push_back({.model = folder / (buildings[placed.building].name + ".fls"),
-                             .at = (*ground)->middle() + placed.at,
-                             .height_m = -kFoundation_m,
-                             .heading_deg = placed.heading_rad * 180 / std::numbers::pi});
+    scene.additions.objects.push_back({.model = folder / (buildings[placed.building].name + ".fls"),
+                                       .at = (*ground)->middle() + placed.at,
+                                       .height_m = -kFoundation_m,
+                                       .heading_deg = placed.heading_rad * 180 / std::numbers::pi});
   }
   auto built = buildScene(**ground, scene, progress);
   if (!built.ok()) return built.error();

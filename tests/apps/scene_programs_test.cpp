@@ -27,8 +27,8 @@ class ScenePrograms : public testing::Test {
     FormulaSource source(65, 65, hills(1), proto::FrameKind::kGeographic);
     std::vector<terrain::ObjectRequest> requests;
     for (const double step : {0.01, 0.02, 0.03}) requests.push_back({model(), {46 + step, 8 + step}});
-    const auto report =
-        terrain::buildScene(source, {.output = path, .height_quantum_m = 0.1, .threads = 1, .objects = requests});
+    const auto report = terrain::buildScene(
+        source, {.output = path, .height_quantum_m = 0.1, .threads = 1, .additions = {.objects = requests}});
     EXPECT_TRUE(report.ok()) << report.error().message;
     return path;
   }

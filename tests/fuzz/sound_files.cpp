@@ -43,11 +43,11 @@ SoundFile sceneFile(uint32_t side, proto::FrameKind kind, std::vector<terrain::O
   const TemporaryFolder folder;
   FormulaSource source(side, side, hills(1), kind);
   source.info().crs_wkt = "ENGCRS[\"nowhere\"]";
-  const auto built = terrain::buildScene(source, {.output = folder / "scene.fls",
-                                                  .height_quantum_m = 0.1,
-                                                  .threads = 1,
-                                                  .page_coding = page_coding,
-                                                  .objects = std::move(objects)});
+  const auto built =
+      terrain::buildScene(source, {.output = folder / "scene.fls",
+                                   .height_quantum_m = 0.1,
+                                   .threads = 1,
+                                   .additions = {.page_coding = page_coding, .objects = std::move(objects)}});
   CHECK_TRUE(built.ok());
   return SoundFile(readWhole(folder / "scene.fls"));
 }
@@ -67,9 +67,9 @@ SoundFile movingSceneFile(proto::EpochBlend blend) {
   const auto built = terrain::buildScene(
       source, {.output = folder / "scene.fls",
                .threads = 1,
-               .objects = std::move(objects),
                .epochs = {{Time{0}, "first", &first}, {Time{1000}, "second", &second}, {Time{3000}, "third", &third}},
-               .epoch_blend = blend});
+               .epoch_blend = blend,
+               .additions = {.objects = std::move(objects)}});
   CHECK_TRUE(built.ok());
   return SoundFile(readWhole(folder / "scene.fls"));
 }

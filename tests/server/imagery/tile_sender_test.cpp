@@ -29,7 +29,7 @@ std::shared_ptr<const terrain::Scene> pictured() {
   });
   test::FormulaSource source(161, 150, test::hills(4));
   const test::TemporaryFolder folder;
-  EXPECT_TRUE(terrain::buildScene(source, {.output = folder / "scene.fls", .picture = &picture}).ok());
+  EXPECT_TRUE(terrain::buildScene(source, {.output = folder / "scene.fls", .additions = {.picture = &picture}}).ok());
   return *terrain::Scene::open(folder / "scene.fls");
 }
 

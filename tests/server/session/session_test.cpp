@@ -152,7 +152,8 @@ TEST(Session, SendsTheSameWhetherPagesAreCodedOrNot) {
   std::array<std::shared_ptr<const terrain::Scene>, 2> scenes;
   for (const auto coding : {terrain::PageCoding::kPlain, terrain::PageCoding::kCoded}) {
     test::FormulaSource source(260, 250, test::hills(5));
-    ASSERT_TRUE(terrain::buildScene(source, {.output = folder / "scene.fls", .page_coding = coding}).ok());
+    ASSERT_TRUE(
+        terrain::buildScene(source, {.output = folder / "scene.fls", .additions = {.page_coding = coding}}).ok());
     scenes[static_cast<size_t>(coding)] = *terrain::Scene::open(folder / "scene.fls");
   }
   ASSERT_TRUE(scenes[1]->coded());

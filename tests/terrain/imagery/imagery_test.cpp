@@ -24,9 +24,10 @@ std::shared_ptr<const Scene> sceneWith(PictureSource& picture, uint32_t width, u
   const test::TemporaryFolder folder;
   if (path.empty()) path = folder / "scene.fls";
   test::FormulaSource source(width, height, test::hills(4));
-  const auto report = buildScene(
-      source,
-      {.output = path, .threads = threads, .picture = &picture, .imagery_quality = 90, .attribution = "a formula"});
+  const auto report =
+      buildScene(source, {.output = path,
+                          .threads = threads,
+                          .additions = {.picture = &picture, .imagery_quality = 90, .attribution = "a formula"}});
   EXPECT_TRUE(report.ok()) << report.error().message;
   return *Scene::open(path);
 }
@@ -124,7 +125,7 @@ TEST(Imagery, ScenesThatChangeHaveItWithBoundsOfAllTimes) {
   const auto report = buildScene(whole, {.output = folder / "a.fls",
                                          .threads = 1,
                                          .epochs = {{Time{0}, "a", &first}, {Time{1000}, "b", &second}},
-                                         .picture = &picture});
+                                         .additions = {.picture = &picture}});
   ASSERT_TRUE(report.ok()) << report.error().message;
   const auto scene = *Scene::open(folder / "a.fls");
   ASSERT_EQ(scene->tiles().layers().size(), 1u);
@@ -136,7 +137,7 @@ TEST(Imagery, StopsAndFailsWithoutAFile) {
   const test::TemporaryFolder folder;
   const auto build = [&](PictureSource& picture, const Progress& progress) {
     test::FormulaSource source(600, 500, test::hills(4));
-    return buildScene(source, {.output = folder / "a.fls", .picture = &picture}, progress);
+    return buildScene(source, {.output = folder / "a.fls", .additions = {.picture = &picture}}, progress);
   };
   FormulaPicture picture(600, 500, 0.5, [](double x, double y) { return Rgba{wave(x), wave(y), 0, 255}; });
   bool in_imagery = false;

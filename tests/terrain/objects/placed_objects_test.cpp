@@ -68,7 +68,8 @@ TEST_P(PlacedObjects, StandOnTheGroundTurnedAndScaled) {
     }
     requests.push_back({model, at, 0.5 * i, 30.0 * i, 1.0 + i});
   }
-  ASSERT_TRUE(terrain::buildScene(source, {.output = path, .height_quantum_m = 0.1, .objects = requests}).ok());
+  ASSERT_TRUE(
+      terrain::buildScene(source, {.output = path, .height_quantum_m = 0.1, .additions = {.objects = requests}}).ok());
   const auto scene = terrain::Scene::open(path);
   ASSERT_TRUE(scene.ok()) << scene.error().message;
   const auto objects = terrain::readObjects(*scene);
@@ -117,7 +118,8 @@ TEST_P(PlacedObjects, StandOnGroundThatMoves) {
   std::vector<terrain::EpochRequest> epochs;
   for (int i = 0; i < 3; ++i) epochs.push_back({Time::seconds(1000 * i), std::to_string(i), &grounds[i]});
   ASSERT_TRUE(
-      terrain::buildScene(source, {.output = path, .height_quantum_m = 0.1, .objects = requests, .epochs = epochs})
+      terrain::buildScene(
+          source, {.output = path, .height_quantum_m = 0.1, .epochs = epochs, .additions = {.objects = requests}})
           .ok());
   const auto scene = terrain::Scene::open(path);
   ASSERT_TRUE(scene.ok()) << scene.error().message;
@@ -155,7 +157,8 @@ TEST(PlacedObjects, StandAtTheirOwnPlace) {
     ASSERT_TRUE(written(on_map / scale));
     const auto request = parseObject(model + "@here,0,0," + std::to_string(scale));
     ASSERT_TRUE(request.ok()) << request.error().message;
-    const auto built = terrain::buildScene(source, {.output = path, .height_quantum_m = 0.1, .objects = {*request}});
+    const auto built =
+        terrain::buildScene(source, {.output = path, .height_quantum_m = 0.1, .additions = {.objects = {*request}}});
     ASSERT_TRUE(built.ok()) << built.error().message;
     const auto scene = terrain::Scene::open(path);
     ASSERT_TRUE(scene.ok()) << scene.error().message;
@@ -168,13 +171,13 @@ TEST(PlacedObjects, StandAtTheirOwnPlace) {
   }
   ASSERT_TRUE(written({1e7, 1e7, 0}));
   const auto beyond = terrain::buildScene(
-      source, {.output = path, .height_quantum_m = 0.1, .objects = {*parseObject(model + "@here")}});
+      source, {.output = path, .height_quantum_m = 0.1, .additions = {.objects = {*parseObject(model + "@here")}}});
   ASSERT_FALSE(beyond.ok());
   EXPECT_NE(beyond.error().message.find("its own place"), std::string::npos) << beyond.error().message;
   EXPECT_NE(beyond.error().message.find("beyond the data"), std::string::npos) << beyond.error().message;
   FormulaSource geographic(65, 65, hills(5), proto::FrameKind::kGeographic);
   const auto degrees = terrain::buildScene(
-      geographic, {.output = path, .height_quantum_m = 0.1, .objects = {*parseObject(model + "@here")}});
+      geographic, {.output = path, .height_quantum_m = 0.1, .additions = {.objects = {*parseObject(model + "@here")}}});
   ASSERT_FALSE(degrees.ok());
   EXPECT_NE(degrees.error().message.find("latitude and longitude"), std::string::npos) << degrees.error().message;
 }
@@ -190,7 +193,8 @@ TEST(PlacedObjects, KeepTheInnerSolidsOfTheirModels) {
   FormulaSource source(65, 65, hills(6));
   const glm::dvec2 at = source.info().frame.map_origin_m;
   const std::vector<ObjectRequest> requests{{plain, at}, {model, at}, {model, at, 3, 45, 2}};
-  ASSERT_TRUE(terrain::buildScene(source, {.output = path, .height_quantum_m = 0.1, .objects = requests}).ok());
+  ASSERT_TRUE(
+      terrain::buildScene(source, {.output = path, .height_quantum_m = 0.1, .additions = {.objects = requests}}).ok());
   std::filesystem::remove(model);
   const auto scene = terrain::Scene::open(path);
   ASSERT_TRUE(scene.ok()) << scene.error().message;
@@ -213,7 +217,7 @@ TEST(PlacedObjects, AreRefusedBeyondTheDataOrWithoutAModel) {
   const std::string model = writeSphere(folder), path = folder / "land.fls";
   FormulaSource source(65, 65, hills(6));
   const auto built = [&](const ObjectRequest& request) {
-    return terrain::buildScene(source, {.output = path, .height_quantum_m = 0.1, .objects = {request}});
+    return terrain::buildScene(source, {.output = path, .height_quantum_m = 0.1, .additions = {.objects = {request}}});
   };
   const auto beyond = built({model, {1e7, 1e7}});
   ASSERT_FALSE(beyond.ok());

@@ -341,14 +341,8 @@ TEST(MergeBlocks, TakesWhatABuildAtOnceTakes) {
       test::writeGrowingSphere(folder / "growing.fls", epochs[0].time, epochs[2].time);
       additions.objects.push_back(objectsAt(folder / "growing.fls", source.info().frame, {{40, 500}}).front());
     }
-    const auto whole = buildScene(source, {.output = folder / "whole.fls",
-                                           .threads = 2,
-                                           .page_coding = d.coding,
-                                           .objects = additions.objects,
-                                           .epochs = epochs,
-                                           .picture = additions.picture,
-                                           .imagery_quality = additions.imagery_quality,
-                                           .attribution = additions.attribution});
+    const auto whole =
+        buildScene(source, {.output = folder / "whole.fls", .threads = 2, .epochs = epochs, .additions = additions});
     ASSERT_TRUE(whole.ok()) << whole.error().message;
     const auto built = buildByBlocks(source, {.plan = {.block_log2 = d.block_log2, .epochs = epochs},
                                               .output = folder / "blocks.fls",

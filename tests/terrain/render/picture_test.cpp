@@ -183,7 +183,8 @@ std::shared_ptr<const terrain::Scene> sceneWithARedSphere() {
           .ok());
   FormulaSource source(33, 33, [](uint32_t, uint32_t) { return 0.0; });
   EXPECT_TRUE(
-      terrain::buildScene(source, {.output = path, .height_quantum_m = 0.1, .objects = {{model, {0, 0}, 0, 0, 5}}})
+      terrain::buildScene(
+          source, {.output = path, .height_quantum_m = 0.1, .additions = {.objects = {{model, {0, 0}, 0, 0, 5}}}})
           .ok());
   return *terrain::Scene::open(path);
 }

@@ -285,7 +285,8 @@ TEST(RayCaster, MeetsObjectsWhereTheyStand) {
   writeSphere(model);  // radius 2
   FormulaSource source(33, 33, [](uint32_t, uint32_t) { return 0.0; });
   const std::vector<terrain::ObjectRequest> requests{{model, {0, 0}, 0, 0, 1}, {model, {50, 20}, 10, 30, 5}};
-  ASSERT_TRUE(terrain::buildScene(source, {.output = path, .height_quantum_m = 0.1, .objects = requests}).ok());
+  ASSERT_TRUE(
+      terrain::buildScene(source, {.output = path, .height_quantum_m = 0.1, .additions = {.objects = requests}}).ok());
   const auto caster = RayCaster::ofScene(*terrain::Scene::open(path));
   ASSERT_TRUE(caster.ok());
   const auto small = caster->hit({{0, 0, 100}, {0, 0, -1}}), large = caster->hit({{50, 20, 100}, {0, 0, -1}}),
@@ -310,8 +311,8 @@ TEST(RayCaster, MeetsObjectsThatMoveWhereTheyAreThen) {
   FormulaSource later(33, 33, [](uint32_t, uint32_t) { return 100.0; });
   ASSERT_TRUE(terrain::buildScene(source, {.output = path,
                                            .height_quantum_m = 0.1,
-                                           .objects = {{model, {0, 0}, 0, 0, 1}},
-                                           .epochs = {{first, "first", &source}, {last, "later", &later}}})
+                                           .epochs = {{first, "first", &source}, {last, "later", &later}},
+                                           .additions = {.objects = {{model, {0, 0}, 0, 0, 1}}}})
                   .ok());
   const auto scene = *terrain::Scene::open(path);
   double centre_m = 0;

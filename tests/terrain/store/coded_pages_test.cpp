@@ -28,7 +28,7 @@ class CodedScene : public testing::Test {
   void build(proto::FrameKind kind = proto::FrameKind::kGeographic, uint32_t width = 300, uint32_t height = 260) {
     for (const auto coding : {PageCoding::kPlain, PageCoding::kCoded}) {
       test::FormulaSource source(width, height, test::hills(11), kind);
-      ASSERT_TRUE(buildScene(source, {.output = path(coding), .page_coding = coding}).ok());
+      ASSERT_TRUE(buildScene(source, {.output = path(coding), .additions = {.page_coding = coding}}).ok());
     }
   }
   std::filesystem::path path(PageCoding coding) const {
@@ -82,7 +82,9 @@ TEST_F(CodedScene, HasTheSameBytesForAnyNumberOfThreads) {
   for (unsigned threads : {1u, 2u, 7u}) {
     test::FormulaSource source(150, 131, test::hills(9), proto::FrameKind::kPlanar);
     const auto file = folder / std::to_string(threads);
-    ASSERT_TRUE(buildScene(source, {.output = file, .threads = threads, .page_coding = PageCoding::kCoded}).ok());
+    ASSERT_TRUE(
+        buildScene(source, {.output = file, .threads = threads, .additions = {.page_coding = PageCoding::kCoded}})
+            .ok());
     files.push_back(test::slurp(file));
   }
   EXPECT_EQ(files[0], files[1]);
