@@ -150,7 +150,7 @@ test('a view is shared by latitude and longitude, and coordinates are searched f
     await page.press('input[name=place]', 'Enter');
     await until(page, (s) => s.eye[2] < 0 && s.triangles > 100);
     await page.waitForURL(/at=-33\.5,-70\.5,20000,0,-90/);
-    assert.match(await page.locator('#readout').innerText(), /33\.50000\u00b0 S\s+70\.50000\u00b0 W/);
+    await page.locator('#readout', { hasText: /33\.50000\u00b0 S\s+70\.50000\u00b0 W/ }).waitFor();
     await page.fill('input[name=place]', 'Santiago');
     await page.press('input[name=place]', 'Enter');
     assert.match(await page.locator('#hint').innerText(), /latitude and a longitude/);
